@@ -1,7 +1,7 @@
-"""Computes the errors of docs/papers/fusion.csv again, from traces and true heights alone.
+"""Recomputes the errors in docs/papers/fusion.csv from traces and true heights only.
 
-Nothing of the project's code is used: the methods are written anew with numpy from their description in docs/papers.md. `papers fusion`
-leaves traces, scenes and heights in its folder `runs`.
+It uses none of the project's code: the methods are written again with numpy from their description in docs/papers.md. `papers fusion`
+writes traces, scenes and heights to its folder `runs`.
 
     python maps.py target/papers/fusion/runs docs/papers 127500 127501
 
@@ -83,9 +83,9 @@ class Lattice:
 
 
 def activations(lattice, origin, axis, distance, cut):
-    """Cells that a reading activates: columns, rows, weights, and the points of greatest membership with their heights.
+    """Cells that a reading activates: columns, rows, weights, and the points of maximum membership with their heights.
 
-    The membership is looked for at 3 x 3 points in each cell and at the rim of the cap above or below it.
+    The search for the maximum membership uses 3 x 3 points in each cell and the rim of the cap above or below the cell.
     """
     least = np.cos(aperture(cut)) - 1e-9
     c0, c1, r0, r1 = lattice.window(origin[0], origin[1], distance)
@@ -162,7 +162,7 @@ def grid_heights(lattice, readings, band, cut, projection):
 
 
 def printed_heights(lattice, readings, cut, planes, ridge):
-    """Eq. 3: one equation for each reading; without a ridge, that of the greatest evidence."""
+    """Eq. 3: one equation for each reading; without a given ridge, the ridge of maximum evidence."""
     rules, values = [], []
     for origin, axis, distance in zip(*readings):
         columns, rows, weight, *_ = activations(lattice, origin, axis, distance, cut)

@@ -1,11 +1,11 @@
-"""Estimates the noise of a sensor, a drive, odometry and a radio from a trace alone, and sets each figure beside the number it should have.
+"""Estimates the noise of a sensor, a drive, odometry and a radio from a trace alone, and compares each estimate with its expected value.
 
-Nothing of the project's code is used. The scene is accuracy/peers/noise/noise.scene.toml:
+It uses none of the project's code. The scene is accuracy/peers/noise/noise.scene.toml:
 
     eyesim run accuracy/peers/noise/noise.scene.toml --trace noise.jsonl
     python accuracy/peers/noise.py noise.jsonl
 
-`z` is the difference in standard errors of the estimate. Exits with 1 if one is above 4: by chance that happens once in 2000 runs.
+`z` is the difference in standard errors of the estimate. Exits with 1 if any `z` is above 4; by chance that happens once in 2000 runs.
 """
 
 import json
@@ -24,13 +24,13 @@ def events(path, robot, kind):
 
 
 def share(name, count, of, expected):
-    """A frequency against its probability."""
+    """Compares a frequency with its probability."""
     error = math.sqrt(expected * (1 - expected) / of)
     return name, count / of, expected, error
 
 
 def deviation(name, sample, expected):
-    """A standard deviation against that of a normal distribution."""
+    """Compares a standard deviation with that of a normal distribution."""
     return name, np.std(sample, ddof=1), expected, expected / math.sqrt(2 * (len(sample) - 1))
 
 

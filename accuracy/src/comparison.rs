@@ -1,9 +1,9 @@
 //! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired differences.
 //!
-//! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It evaluates its result also
-//! with each parameter one step lower and one step higher, so no optimum is at the edge of a range, except where larger values of a
-//! parameter have no meaning. [`Difference`] compares two methods on cases that no search has used. The protocol is described in
-//! `docs/accuracy.md`.
+//! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It also
+//! evaluates its result with each parameter one step lower and one step higher, so no optimum is at the edge of a
+//! range, except where larger values of a parameter have no meaning. [`Difference`] compares two methods on cases that
+//! no search has used. `docs/accuracy.md` describes the protocol.
 
 use std::collections::HashMap;
 
@@ -322,7 +322,7 @@ mod tests {
         }
     }
 
-    /// An error that falls without end must not give an optimum at the edge of the range.
+    /// An error that decreases without end must not give an optimum at the edge of the range.
     #[test]
     fn unbounded_descent_is_an_error() {
         let error = tune(&[parameter(1.0)], SEARCH, |setting, _| 1.0 / setting[0]).expect_err("no optimum");

@@ -118,8 +118,9 @@ fn distance_to_point(segment: &Segment, point: DVec2) -> f64 {
 /// Number of samples in the horizon while the disc is close to a wall.
 const SAMPLES: f64 = 1e5;
 
-/// First instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`; 0 if the disc overlaps a segment at the start,
-/// even if it moves away. `None` if it touches no segment or an argument is not finite.
+/// First instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`. It is 0 if the disc
+/// overlaps a segment at the start, even if the disc moves away. `None` if it touches no segment or an argument is not
+/// finite.
 ///
 /// The disc of `radius` metres has its centre at the origin of a frame that starts at `start` and moves with the constant
 /// `twist`, given in that frame (see [`Twist::at_offset`] for another centre).

@@ -1,5 +1,5 @@
-//! Reference for the sliding of a disc along walls, with which the core's closed forms are compared: an integrator in
-//! small steps.
+//! Reference integrator with small steps for the sliding of a disc along walls; the core's closed forms are compared
+//! with it.
 //!
 //! The integrator does not compute the instants at which contacts begin and end, as the core does. In each step, sweeps over the contacts
 //! (projected Gauss-Seidel) find contact forces that keep the disc out of the walls and are within their friction cones. The error falls

@@ -105,8 +105,8 @@ fn head_on_robots_stop_a_skin_apart_at_any_speed_and_slot() {
     }
 }
 
-/// Criterion: a robot that starts in contact, or nearly up to its centre in a wall, moves as far as commanded in directions that lead
-/// away from the wall, and not at all in those that lead deeper.
+/// Criterion: a robot that starts in contact, or nearly up to its centre in a wall, moves as far as commanded in
+/// directions away from the wall, and not at all in directions deeper into it.
 #[test]
 fn robots_that_start_in_contact_move_only_away() {
     let walls = [wall(-5.0, 0.0, 5.0, 0.0)];

@@ -329,10 +329,10 @@ fn readings_of_every_kind_and_preset_match_their_model() {
     }
 }
 
-/// Distances and published bounds of the error of a single reading of a Sharp GP2Y0A21 at them (3.09 standard deviations), m. Source:
-/// Malheiros, Gonçalves & Costa 2009.
+/// Distances and published error bounds (3.09 standard deviations) of a single reading of a Sharp GP2Y0A21 at these
+/// distances, m. Source: Malheiros, Gonçalves & Costa 2009.
 const SHARP: [(f64, f64); 2] = [(0.08, 0.0025), (0.8, 0.1854)];
-/// Distance, m, and the manufacturer's bound of the error of a SRF08, m, which is compared at this distance.
+/// Distance, m, and the manufacturer's error bound at this distance for an SRF08, m.
 const SRF08: (f64, f64) = (3.0, 0.04);
 
 /// Percentage of normal errors whose magnitude exceeds `bound`.

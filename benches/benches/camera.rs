@@ -1,6 +1,6 @@
-//! Pictures of a room: frames a second, beside MuJoCo and PyBullet where they are installed.
+//! Pictures of a room: frames per second, compared with MuJoCo and PyBullet if they are installed.
 //!
-//! A custom harness: one table holds all values to compare, measured in turn within one run.
+//! A custom harness: one table contains all values to compare, measured alternately within one run.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsStr;
@@ -17,17 +17,17 @@ use sim_core::time::Time;
 
 const VIEWS: usize = 10;
 const SIZES: [[u32; 2]; 3] = [[80, 60], [160, 120], [320, 240]];
-/// Number of rounds of all renderers, and repetitions of all views in each: the fastest counts.
+/// Number of rounds of all renderers, and of repetitions of all views in each round; the fastest time counts.
 const TURNS: usize = 3;
 const REPEATS: usize = 10;
 
-/// A renderer at a quality, and the seconds that it takes for all views.
+/// A renderer at one quality, and the seconds that it takes for all views.
 struct Row {
     renderer: &'static str,
-    /// Option for the peers' script.
+    /// Option for the script of the peers.
     shadows: &'static str,
     seconds: f64,
-    /// Mean difference of its pictures from ours, grey levels.
+    /// Mean difference of the renderer's pictures from ours, grey levels.
     difference: f64,
 }
 
@@ -59,7 +59,7 @@ fn main() {
     }
 }
 
-/// Our renderer first, then each peer with the speed-up of ours over it.
+/// Prints the row of our renderer first, then each peer with our speed-up over it.
 fn print([width, height]: [u32; 2], (row, ours): &(Row, f64)) {
     let rate = VIEWS as f64 / row.seconds;
     let (times, levels) = (row.seconds / ours, row.difference);
@@ -106,7 +106,7 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().map(view).collect()
 }
 
-/// Seconds for all views, and their pixels.
+/// Renders all views with the core; returns the seconds and the pixels.
 fn eyesim(posed: &PosedScenery, size: [u32; 2]) -> (f64, Vec<u8>) {
     let views = views(size);
     let mut camera = Camera::default();
@@ -121,7 +121,7 @@ fn eyesim(posed: &PosedScenery, size: [u32; 2]) -> (f64, Vec<u8>) {
     (seconds, pixels)
 }
 
-/// As above, for a peer, by the script in `peers/`.
+/// Renders all views with a peer, by the script in `peers/`.
 fn peer(python: &OsStr, folder: &Path, row: &Row, [width, height]: [u32; 2]) -> (f64, Vec<u8>) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/camera_peers.py");
     let output = Command::new(python)
@@ -135,7 +135,7 @@ fn peer(python: &OsStr, folder: &Path, row: &Row, [width, height]: [u32; 2]) -> 
     (seconds, fs::read(folder.join(row.renderer).with_extension("rgb")).expect("the script writes pictures"))
 }
 
-/// Input of the peers' script.
+/// Writes the input of the peers' script.
 fn write_scene(folder: &Path, mesh: &Mesh) {
     fs::create_dir_all(folder).expect("the target folder can be written");
     let faces = mesh.triangles.iter().flat_map(|triangle| {
@@ -163,7 +163,7 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Smoke test: every picture once, compared with the reference.
+/// Smoke test: renders every picture once and compares it with the reference.
 fn assert_right(scenery: &Scenery) {
     let posed = scenery.pose_at(&world::empty(), Time::ZERO);
     let reference = Reference::new(&posed, None);

@@ -1,4 +1,4 @@
-//! Whole runs of the real binary: crowds of robots that avoid each other, among cans too, and robots that wait.
+//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, and robots that wait.
 //!
 //! A custom harness: criterion would run each scene a hundred times and does not measure memory.
 #![forbid(unsafe_code)]
@@ -11,9 +11,9 @@ use std::time::Duration;
 use serde_json::Value;
 use tests::{Scratch, number, write_crowd};
 
-/// The program of the crowds: reads eight PSDs, sets its speed, waits for the next 50 ms.
+/// The program of the crowds: reads eight PSDs, sets its speed, and waits for the next multiple of 50 ms.
 const AVOID: &str = "%sim%/example-programs/avoid";
-/// Repetitions of each run: the fastest counts, since other work on the machine can only slow it down.
+/// Number of repetitions of each run. The fastest counts, since other load on the machine can only slow a run down.
 const REPEATS: usize = 3;
 
 fn main() {
@@ -45,7 +45,7 @@ fn main() {
     }
 }
 
-/// Cost of a run.
+/// Time and memory of a run.
 #[derive(Clone, Copy)]
 struct Run {
     simulated: f64,
@@ -79,7 +79,7 @@ fn crowd(name: &str, robots: usize, seconds: f64, repeats: usize, alone: &mut Op
     println!("{line}");
 }
 
-/// A hundred robots, and the same among as many cans, which they push about: what the movable objects cost.
+/// A hundred robots, and the same robots among as many cans, which they push: the cost of movable objects.
 fn cans(is_smoke_test: bool) {
     const ROBOTS: usize = 100;
     let scratch = Scratch::new();
@@ -89,7 +89,7 @@ fn cans(is_smoke_test: bool) {
     let mut sim = scratch.read("crowd.sim");
     let side = ROBOTS.isqrt();
     for can in 0..ROBOTS {
-        // Half a metre away from each robot.
+        // Each can is half a metre away from each robot.
         let (x, y) = (1000 * (can % side) + 850, 1000 * (can / side) + 850);
         sim += &format!("can {x} {y} 0\n");
     }
@@ -103,7 +103,7 @@ fn cans(is_smoke_test: bool) {
     println!("crowd/cans     {:>9.1} times real time, {:.1} without the cans", times(with), times(without));
 }
 
-/// A robot that drives among others that wait, and without them: what each waiting robot costs in a slot.
+/// A robot that drives among waiting robots, and without them: the cost of a waiting robot per slot.
 fn waiting(is_smoke_test: bool) {
     const WAITING: usize = 1000;
     let scratch = Scratch::new();
@@ -131,7 +131,7 @@ fn radio(is_smoke_test: bool) {
     const ROBOTS: usize = 100;
     let scratch = Scratch::new();
     let (seconds, repeats) = if is_smoke_test { (0.5, 1) } else { (20.0, REPEATS) };
-    // Each slot has 1 RADIOSend, 99 RADIOReceive of 100 us and 100 RADIOCheck of 5 us, then the wait for the next one.
+    // Each slot has 1 RADIOSend, 99 RADIOReceive of 100 us and 100 RADIOCheck of 5 us, then the wait for the next slot.
     scratch.write(
         "talk.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n    char text[16];\n    int id;\n    RADIOInit();\n    for (;;) {\n        \
@@ -161,11 +161,11 @@ fn radio(is_smoke_test: bool) {
     );
 }
 
-/// The swarm on each kind of flow with one worker and two: thousands of robot-steps a second, and memory.
+/// The swarm in each executor with one worker and two: thousands of robot-steps per second, and memory.
 fn swarm(is_smoke_test: bool) {
-    /// Robots, and simulated seconds of a run.
+    /// Numbers of robots, and simulated seconds of the run.
     const SIZES: [(usize, f64); 5] = [(1, 20_000.0), (10, 2_000.0), (100, 200.0), (1_000, 20.0), (10_000, 4.0)];
-    /// Kinds of flow, workers, and the largest swarm that is run so.
+    /// Executors, numbers of workers, and maximum swarm size of each combination.
     const WAYS: [(&str, &str, usize); 5] = [
         ("fiber", "1", usize::MAX),
         ("fiber", "2", usize::MAX),
@@ -208,7 +208,7 @@ fn fastest(scratch: &Scratch, seconds: f64, repeats: usize) -> Run {
     runs.min_by(|a, b| a.real.total_cmp(&b.real)).expect("at least one run")
 }
 
-/// Runs a scene with these options for this many simulated seconds.
+/// Runs a scene with these options for `seconds` of virtual time.
 fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
     let until = seconds.to_string();
     let mut all = vec!["run", "--until", &until, "--speed", "max", "--report", "r.json"];
@@ -222,12 +222,12 @@ fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
     Run { simulated: number(&report, "sim_time_s"), real: number(&report, "real_time_s"), peak }
 }
 
-/// Waits for the end of `child`; its maximum resident memory in KiB, as reported by Linux.
+/// Waits for the end of `child`; returns its maximum resident memory in KiB, as Linux reports it.
 fn watch(child: &mut Child) -> Option<u64> {
     let path = format!("/proc/{}/status", child.id());
     let mut peak = None;
     while child.try_wait().expect("eyesim can be waited for").is_none() {
-        // An ended process has no memory any more: the last reading counts.
+        // A process that has ended has no memory any more, so the last reading counts.
         let status = fs::read_to_string(&path).unwrap_or_default();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         peak = line.and_then(|line| line.split_whitespace().next()?.parse().ok()).or(peak);

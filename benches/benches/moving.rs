@@ -1,4 +1,4 @@
-//! The index of moving bodies: 1,000 robots, one a square metre, in a slot.
+//! The index of moving bodies: 1,000 robots, one per square metre, in one slot.
 
 use accuracy::world::Random;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -1,4 +1,4 @@
-//! Rays a second against walls that stand still: the 2D index, and brute force beside it.
+//! Rays per second against fixed walls: the 2D index compared with brute force.
 
 use accuracy::course::model;
 use accuracy::oracle;
@@ -57,7 +57,7 @@ fn build(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The walls, and among them as many robots.
+/// A world with the walls and `robots` robots among them.
 fn world(robots: u32) -> World {
     let walls = Arc::new(Walls::new(benches::walls()));
     let rays = benches::psd_rays(robots as usize);
@@ -69,7 +69,7 @@ fn world(robots: u32) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions)
 }
 
-/// Whole scans as by `LIDARGet`: of walls alone, and among robots.
+/// Complete scans as by `LIDARGet`, of walls alone and among robots.
 fn scans(criterion: &mut Criterion) {
     let (walls, crowd) = (world(0), world(100));
     let rays = benches::lidar_rays(28);

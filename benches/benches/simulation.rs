@@ -1,4 +1,5 @@
-//! The simulation as a value: a step of one robot that reads eight range sensors, setting it back, and beginning anew.
+//! The simulation as a value: a step of one robot that reads eight range sensors, restoring a snapshot, and a new
+//! start.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use sim_core::RobotId;
@@ -9,7 +10,7 @@ use sim_core::spec::{NoiseRef, SceneSpec};
 use sim_core::time::Time;
 use sim_format::{MemoryFiles, load_scene, preset};
 
-/// A closed room of 20 m with a robot that looks in eight directions, with the noise profile of this name.
+/// A closed room of 20 m with a robot that has range sensors in eight directions, and the noise profile `noise`.
 fn scene(noise: &str) -> SceneSpec {
     let corners = ["[0, 0]", "[20000, 0]", "[20000, 20000]", "[0, 20000]"];
     let wall = |index: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[index], corners[(index + 1) % 4]);
@@ -33,12 +34,12 @@ fn scene(noise: &str) -> SceneSpec {
 
 fn simulation(noise: &str) -> Simulation {
     let mut simulation = Simulation::new(&scene(noise), &Options::default()).expect("a robot that can be simulated");
-    // The robot drives a circle for ever.
+    // The robot drives in a circle forever.
     simulation.command(RobotId(1), Command::Twist(Twist::new(0.3, 0.5))).expect("it drives");
     simulation
 }
 
-/// Goes on by a slot of 50 ms and reads the eight sensors; their sum, m.
+/// Advances by a slot of 50 ms and reads the eight sensors; returns the sum of the readings, m.
 fn step(simulation: &mut Simulation) -> f64 {
     simulation.advance_to(simulation.now() + Time::from_millis(50));
     (0..8).filter_map(|index| simulation.range(RobotId(1), index)).sum()

@@ -1,6 +1,7 @@
-//! Cases of suites a second: runs of 10 s of one robot with a C library, by `eyesim test`, many in a process and each in its own.
+//! Cases of suites per second: `eyesim test` runs one robot with a C library for 10 s, with many cases in a process and
+//! with a process for each case.
 //!
-//! Processor time is measured, not real time, so that other load on the machine matters little.
+//! The bench measures processor time instead of real time, so other load on the machine has little effect.
 
 use tests::Scratch;
 
@@ -26,12 +27,12 @@ int main() {
 }
 "#;
 
-/// Processor time of all children of this process that have ended, s.
+/// Processor time of all ended children of this process, s.
 fn of_children() -> f64 {
-    /// Clock ticks a second in /proc, on every architecture of Linux.
+    /// Clock ticks per second in /proc, the same on every Linux architecture.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // User and kernel time of children are the 14th and 15th word after the name in parentheses.
+    // User and kernel time of children are words 14 and 15 after the name in parentheses.
     let fields: Vec<&str> = stat.rsplit_once(')').expect("a name").1.split_whitespace().collect();
     fields[13..15].iter().map(|ticks| ticks.parse::<f64>().expect("a number") / TICKS).sum()
 }

@@ -1,7 +1,7 @@
-//! Rays among triangles and walls: speed and error of both indices in one table, beside parry and, where it is installed,
-//! Embree.
+//! Rays among triangles and walls: speed and error of both indices in one table, compared with parry and, if it is
+//! installed, Embree.
 //!
-//! A custom harness: one table holds all values to compare, measured in turn within one run.
+//! A custom harness: one table contains all values to compare, measured alternately within one run.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;
@@ -15,29 +15,30 @@ use benches::terrain::{self, Ray3, Triangle};
 use glam::DVec3;
 use sim_core::scene::{MeshIndex, Segment, Walls};
 
-/// Repetitions of each set of rays: the fastest counts, since other work on the machine can only slow it down.
+/// Number of repetitions of each set of rays. The fastest counts, since other load on the machine can only slow it
+/// down.
 const REPEATS: usize = 15;
 
-/// A scene, the sets of rays cast at it, and the distances by brute force of some of them.
+/// A scene, sets of rays, and the distances of some of the rays by brute force.
 struct Scene {
     name: &'static str,
     triangles: Vec<Triangle>,
-    /// The walls that the triangles are extruded of, if so.
+    /// The walls from which the triangles are extruded; empty if there are none.
     walls: Vec<Segment>,
     sets: Vec<Set>,
-    /// Aimed at shared edges: rays without a hit have leaked.
+    /// Rays aimed at shared edges; a ray without a hit has leaked.
     edges: Vec<Ray3>,
 }
 
 struct Set {
     name: &'static str,
     rays: Vec<Ray3>,
-    /// By brute force: index of a ray and its distance, infinite without a hit.
+    /// Index of a ray and its distance by brute force, infinite without a hit.
     truth: Vec<(usize, f64)>,
 }
 
-/// Casts a list of rays repeatedly: the seconds, the minimum for each part of the list, and the distances, infinite without
-/// a hit.
+/// Casts a list of rays repeatedly. Returns the seconds, as the sum of the minimum for each part of the list, and the
+/// distances, infinite without a hit.
 type Caster<'a> = Box<dyn Fn(&[Ray3], usize) -> (f64, Vec<f64>) + 'a>;
 
 fn main() {
@@ -144,7 +145,7 @@ impl Set {
     }
 }
 
-/// Time is taken of so many rays at once, fewer than another program on the machine lets pass before it interrupts.
+/// Number of rays that are timed together: few enough that other programs seldom interrupt them.
 const CHUNK: usize = 4000;
 
 fn timed<'a>(cast: impl Fn(&Ray3) -> Option<f64> + 'a) -> Caster<'a> {
@@ -166,7 +167,7 @@ fn timed<'a>(cast: impl Fn(&Ray3) -> Option<f64> + 'a) -> Caster<'a> {
     })
 }
 
-/// Each wall in doubles, by Cramer's rule.
+/// Tests each wall in double precision, by Cramer's rule.
 fn brute_force(walls: &[Segment]) -> impl Fn(&Ray3) -> Option<f64> {
     |ray| {
         let (origin, direction) = (ray.origin.truncate(), ray.direction.truncate());
@@ -174,7 +175,7 @@ fn brute_force(walls: &[Segment]) -> impl Fn(&Ray3) -> Option<f64> {
     }
 }
 
-/// Corners as a list, three for each triangle; parry has its triangles by corner numbers.
+/// Corners as a list, three for each triangle, and the corner numbers of each triangle, as parry requires.
 fn corners(triangles: &[Triangle]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let numbers = (0_u32..).step_by(3).take(triangles.len()).map(|first| [first, first + 1, first + 2]).collect();
     (triangles.as_flattened().to_vec(), numbers)
@@ -201,7 +202,7 @@ fn double_precision(triangles: &[Triangle]) -> impl Fn(&Ray3) -> Option<f64> {
     move |ray| mesh.cast_local_ray(&Ray::new(vector(ray.origin), vector(ray.direction)), ray.range, false)
 }
 
-/// Embree's single-ray query, by the script in `peers/`.
+/// Casts rays with Embree's single-ray query, by the script in `peers/`.
 fn embree(triangles: &[Triangle], python: OsString, mode: &'static str) -> Caster<'static> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("terrain-rays");
     fs::create_dir_all(&folder).expect("the target folder can be written");
@@ -233,8 +234,8 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Number of rays whose hits disagree: a hit against none, or distances that differ by more than 1 mm; and the maximum
-/// error of the rest, m.
+/// Number of rays whose hits disagree (a hit against none, or distances that differ by more than 1 mm), and the maximum
+/// error of the other rays, m.
 fn errors(set: &Set, distances: &[f64]) -> (usize, f64) {
     let agree = |one: f64, other: f64| one == other || (one - other).abs() <= 1e-3;
     let (same, other): (Vec<_>, Vec<_>) = set.truth.iter().partition(|(at, truth)| agree(distances[*at], *truth));

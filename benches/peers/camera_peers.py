@@ -1,12 +1,12 @@
 """Pictures of the bench `camera` by another renderer: camera_peers.py FOLDER RENDERER WIDTHxHEIGHT SHADOWS REPEATS
 
 RENDERER is `mujoco` (OpenGL by Mesa's llvmpipe on one thread), `mujoco-boxes` or `pybullet` (its TinyRenderer); both are wheels, and
-need the wheel numpy. SHADOWS is `none`, `default` or, for MuJoCo, the width of its shadow map in texels (4096 by default). Reads what the bench has
+they need the wheel numpy. SHADOWS is `none`, `default` or, for MuJoCo, the width of its shadow map in texels (4096 by default). Reads the files that the bench has
 written to FOLDER, writes the pictures to FOLDER/RENDERER.rgb (row by row from the top, one picture after the other), and prints the
-seconds of all views in the fastest of REPEATS turns, reading back of the pixels included.
+seconds of all views in the fastest of REPEATS rounds, including the reading back of the pixels.
 
-All quality that costs time is off: no multisampling, no specular light, no sky box, no fog, no reflection. The room is four meshes,
-one for each texture: that is what both render fastest. For `mujoco-boxes` it is a mesh for each box.
+All settings that cost time are off: no multisampling, no specular light, no sky box, no fog, no reflection. The room is four meshes,
+one for each texture, which both render fastest. For `mujoco-boxes` each box is a mesh.
 """
 
 import os
@@ -29,7 +29,7 @@ FACES_OF_A_BOX = 12
 
 
 class Scene:
-    """Faces are rows of material, then x, y, z, u, v for each corner; views rows of eye, forward, left; light is the direction
+    """Faces are rows of material, then x, y, z, u, v for each corner. Views are rows of eye, forward, left. Light is the direction
     towards the sun, ambient and diffuse."""
 
     def __init__(self, folder, is_split):
@@ -78,7 +78,7 @@ class Scene:
 
 
 def mujoco_frames(scene, size, shadows):
-    """A function that gives the picture of a view by number, row 0 on top."""
+    """Returns a function that renders the picture of the view with a given number, row 0 on top."""
     import mujoco
 
     width, height = size
@@ -138,12 +138,12 @@ def mujoco_frames(scene, size, shadows):
 
 
 def pybullet_frames(scene, size, shadows):
-    """A function that gives the picture of a view by number, row 0 on top."""
+    """Returns a function that renders the picture of the view with a given number, row 0 on top."""
     import pybullet
 
     width, height = size
     pybullet.connect(pybullet.DIRECT)
-    # Its map of shadows is around the origin.
+    # MuJoCo's shadow map is around the origin.
     middle = 0.5 * (scene.corners.min(axis=0) + scene.corners.max(axis=0)) * [1, 1, 0]
     for number, material in enumerate(scene.meshes):
         name = str(scene.folder / f"mesh{number}.obj")
@@ -187,7 +187,7 @@ def main():
             frame(view)
         best = min(best, time.perf_counter() - start)
     print(best)
-    # Mesa's and MuJoCo's own clean-up may fail at the interpreter's end.
+    # The clean-up of Mesa and MuJoCo may fail when the interpreter ends.
     sys.stdout.flush()
     os._exit(0)
 

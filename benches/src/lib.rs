@@ -9,7 +9,7 @@ use glam::DVec2;
 use sim_core::math;
 use sim_core::scene::{Bounds, Segment};
 
-/// A ray as the sensors cast it: metres in the world frame.
+/// A ray as sensors cast it: lengths in metres, world frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Origin.
@@ -28,19 +28,19 @@ pub fn walls() -> Vec<Segment> {
     world::room_with_boxes(1, DVec2::ZERO, SIDE, 74)
 }
 
-/// 300 walls or so on a square grid, as robots in a maze see them: 1 m a cell.
+/// About 300 walls on a square grid, like a maze with cells of 1 m.
 pub fn maze() -> Vec<Segment> {
     world::maze(1, DVec2::ZERO, 15, 1.0)
 }
 
-/// `count` rays of a PSD: 2 m, from anywhere in the room in any direction.
+/// `count` rays of a PSD with a range of 2 m, from random points of the room in random directions.
 pub fn psd_rays(count: usize) -> Vec<Ray> {
     let mut random = Random::new(2);
     let room = Bounds { min: DVec2::ZERO, max: DVec2::splat(SIDE) };
     (0..count).map(|_| Ray { origin: random.point_in(room), direction: random.direction(), range: 2.0 }).collect()
 }
 
-/// `sweeps` full turns of a lidar of 360 points with a range of 30 m, each from another place in the room.
+/// `sweeps` full turns of a lidar of 360 points with a range of 30 m, each from a different point of the room.
 pub fn lidar_rays(sweeps: usize) -> Vec<Ray> {
     let mut random = Random::new(3);
     let room = Bounds { min: DVec2::ZERO, max: DVec2::splat(SIDE) };

@@ -1,21 +1,23 @@
-//! Scene of the swarm: one robot a square metre, on a grid in a square arena with walls on all sides, each with a heading of its own.
+//! Scene of the swarm: one robot per square metre, on a grid in a square arena with walls on all sides, each with a
+//! different heading.
 //!
-//! The robots' type and program lie in `swarm/`. The scene is fixed: figures of different versions of eyesim are comparable.
+//! The robots' type and program are in `swarm/`. The scene never changes, so results of different versions of eyesim
+//! are comparable.
 
 use std::fmt::Write as _;
 use std::path::Path;
 use std::{fs, io};
 
-/// Room of one robot, mm.
+/// Side of the square for one robot, mm.
 const CELL: usize = 1000;
 
 /// Headings of neighbours in the list differ by the golden angle, degrees.
 const GOLDEN_ANGLE: f64 = 137.5;
 
-/// Writes `swarm.sim` for this many robots, and the files that it names, to `folder`, which is created.
+/// Writes `swarm.sim` for `robots` robots, and the files that it names, into `folder`; creates the folder.
 ///
 /// # Errors
-/// A file cannot be written.
+/// If a file cannot be written.
 pub fn write(robots: usize, folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     for file in ["swarm.c", "swarm.robi", "swarm.toml"] {
@@ -25,7 +27,7 @@ pub fn write(robots: usize, folder: &Path) -> io::Result<()> {
     fs::write(folder.join("swarm.sim"), scene(robots))
 }
 
-/// Robots in a row of the grid.
+/// Number of robots in a row of the grid.
 fn columns(robots: usize) -> usize {
     robots.isqrt().max(1)
 }
@@ -44,7 +46,7 @@ fn scene(robots: usize) -> String {
     for index in 0..robots {
         let (x, y) = (CELL * (index % columns(robots)) + CELL / 2, CELL * (index / columns(robots)) + CELL / 2);
         let heading = (index as f64 * GOLDEN_ANGLE) % 360.0;
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(sim, "robi swarm.robi swarm.c {x} {y} {heading}");
     }
     sim

@@ -1,4 +1,4 @@
-//! Triangles in space and the rays that are cast at them.
+//! Triangles in space, and rays among them.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -21,12 +21,12 @@ pub struct Ray3 {
     pub range: f64,
 }
 
-/// Cells of the terrain along a side, of half a metre each.
+/// Number of cells along a side of the terrain, of half a metre each.
 const CELLS: usize = 224;
 const CELL: f64 = 0.5;
 const SIDE: f64 = CELLS as f64 * CELL;
 
-/// Height of the terrain at a place on it: hills of several sizes, 6 m from lowest to highest.
+/// Height of the terrain at a point: hills of several sizes, 6 m from the lowest to the highest point.
 fn height(x: f64, y: f64) -> f64 {
     let wave = |a: f64, b: f64, phase: f64| math::sin(a * x + b * y + phase);
     1.5 * wave(0.11, 0.07, 0.3) + 0.8 * wave(-0.21, 0.33, 1.0) + 0.3 * wave(0.9, 0.7, 2.0) + 0.1 * wave(2.9, -3.7, 0.5)
@@ -48,7 +48,7 @@ pub fn terrain() -> Vec<Triangle> {
     (0..CELLS * CELLS).flat_map(square).collect()
 }
 
-/// A place `above` the terrain, at least 6 m from its border.
+/// A point `above` m over the terrain, at least 6 m from its border.
 fn over_terrain(random: &mut Random, above: f64) -> DVec3 {
     let at = DVec2::new(random.between(6.0, SIDE - 6.0), random.between(6.0, SIDE - 6.0));
     at.extend(height(at.x, at.y) + above)
@@ -59,12 +59,12 @@ fn towards(azimuth: f64, elevation: f64) -> DVec3 {
     DVec3::new(horizontal * cos, horizontal * sin, up)
 }
 
-/// The rays cast at the terrain, by kind.
+/// The rays among the terrain, by kind.
 pub fn terrain_rays() -> Vec<(&'static str, Vec<Ray3>)> {
     vec![("camera", camera()), ("psd", bundles()), ("lidar", lidar()), ("incoherent", incoherent())]
 }
 
-/// Pictures of 160 by 120 pixels, line by line, by cameras 2 m above the ground that look 10 degrees down.
+/// Rays of pictures of 160 by 120 pixels, row by row, by cameras 2 m above the ground that look down by 10 degrees.
 fn camera() -> Vec<Ray3> {
     let mut random = Random::new(31);
     let picture = |origin: DVec3, azimuth: f64| {
@@ -80,7 +80,7 @@ fn camera() -> Vec<Ray3> {
     (0..6).flat_map(|_| picture(over_terrain(&mut random, 2.0), random.between(0.0, TAU))).collect()
 }
 
-/// Eight beams around each of many robots, 20 cm above the ground, of 2 m.
+/// Eight rays around each of many robots, 20 cm above the ground, with a range of 2 m.
 fn bundles() -> Vec<Ray3> {
     let mut random = Random::new(32);
     let mut robot = move || {
@@ -93,7 +93,7 @@ fn bundles() -> Vec<Ray3> {
     (0..12_500).flat_map(|_| robot()).collect()
 }
 
-/// Turns of 360 points in 8 layers from -15 to 6 degrees, 1 m above the ground, of 60 m.
+/// Rays of full turns of 360 points in 8 layers from -15 to 6 degrees, 1 m above the ground, with a range of 60 m.
 fn lidar() -> Vec<Ray3> {
     let mut random = Random::new(33);
     let mut turn = move || {
@@ -107,7 +107,7 @@ fn lidar() -> Vec<Ray3> {
     (0..35).flat_map(|_| turn()).collect()
 }
 
-/// From anywhere up to 5 m above the ground in any direction, of 100 m.
+/// Rays from random points up to 5 m above the ground in random directions, with a range of 100 m.
 fn incoherent() -> Vec<Ray3> {
     let mut random = Random::new(34);
     let mut ray = move || {
@@ -119,8 +119,8 @@ fn incoherent() -> Vec<Ray3> {
     (0..100_000).map(|_| ray()).collect()
 }
 
-/// Rays from above aimed exactly at corners and at points of edges that triangles of the terrain share; their range ends
-/// 1 m beyond the point. A ray without a hit has leaked.
+/// Rays from above aimed exactly at corners and at points of edges that triangles of the terrain share. Their range
+/// ends 1 m beyond the point. A ray without a hit has leaked.
 pub fn edge_rays(count: usize) -> Vec<Ray3> {
     let mut random = Random::new(35);
     let mut ray = |turn: usize| {
@@ -129,7 +129,7 @@ pub fn edge_rays(count: usize) -> Vec<Ray3> {
         let other = [grid_point(column + 1, row), grid_point(column, row + 1), grid_point(column + 1, row + 1)];
         let fraction = [0.0, 0.5, 0.25, random.between(0.0, 1.0)][turn % 4];
         let target = corner + fraction * (other[random.below(3)] - corner);
-        // Every third one from straight above, as sensors on a grid look down.
+        // Every third ray points straight down, like those of sensors on a grid.
         let horizontal_offset = if turn.is_multiple_of(3) {
             DVec3::ZERO
         } else {
@@ -142,15 +142,15 @@ pub fn edge_rays(count: usize) -> Vec<Ray3> {
     (0..count).map(&mut ray).collect()
 }
 
-/// The rays of a PSD among extruded walls, half as high as these.
+/// The rays of a PSD among extruded walls, at half the height of the walls.
 pub fn level_rays(rays: &[crate::Ray]) -> Vec<Ray3> {
     rays.iter()
         .map(|ray| Ray3 { origin: ray.origin.extend(0.5), direction: ray.direction.extend(0.0), range: ray.range })
         .collect()
 }
 
-/// Rays from the middles of the cells of a maze on a grid of 1 m at exact places of the diagonals that part its walls in
-/// triangles; their range ends 1 mm beyond. A ray without a hit has leaked.
+/// Rays from the middles of the cells of a maze on a grid of 1 m, aimed exactly at points of the diagonals that divide
+/// its walls into triangles. Their range ends 1 mm beyond the point. A ray without a hit has leaked.
 pub fn diagonal_rays(walls: &[Segment], count: usize) -> Vec<Ray3> {
     let mut random = Random::new(36);
     let mut ray = || {

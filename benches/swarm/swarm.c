@@ -1,4 +1,4 @@
-/* Drives about and turns away from near obstacles, for ever: eight PSDs are read and the speed is set every 50 ms. */
+/* Drives about forever and turns away from near obstacles: reads eight PSDs and sets the speed every 50 ms. */
 #include "eyebot.h"
 
 #define SENSORS 8

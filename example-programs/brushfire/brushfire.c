@@ -44,8 +44,8 @@ static void burn(void)
   }
 }
 
-/* Marks the cells at which fronts meet: the fire of a neighbour came from elsewhere. The origins must be farther apart than they are
- * at a right-angled corner, so corners do not count. */
+/* Marks the cells at which fronts meet: the fire of a neighbour has another origin. The origins must be farther apart than at a
+ * right-angled corner, so corners do not count. */
 static void find_ridges(void)
 {
   int row, column, i, j;

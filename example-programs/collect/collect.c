@@ -125,7 +125,7 @@ int main(void)
   while (balls_left() > 0) {
     int ball = choose(), slot = ball - robots - 1;
     Pose at;
-    if (ball == 0) { /* no ball for this robot: it clears the way */
+    if (ball == 0) { /* no ball for this robot, so it gets out of the way of the others */
       go(home, 100, 1000);
       OSWait(200);
       continue;
@@ -134,7 +134,7 @@ int main(void)
     if (!go(at, REACH, 1000) || distance(robot_pose(0), object_pose(ball)) > REACH + 20)
       continue;
     LCDPrintf("ball %d of %d\n", slot + 1, balls);
-    /* While it is carried, the ball lies at the wall, out of sight of the other robots. */
+    /* While the robot carries the ball, the ball is at the wall, out of sight of the other robots. */
     SIMSetObject(ball, 60 + 60 * slot, 60, 0, 0);
     go(depot, 250, 20000);
     SIMSetObject(ball, DEPOT_X + slot % 4 * 90, DEPOT_Y - 120 + slot / 4 * 90, 0, 0);

@@ -1,5 +1,5 @@
-/* A convoy. Robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with the number before
-   its own. Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two seconds.
+/* A convoy. Robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with the next lower
+   number. Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two seconds.
    Arguments: the start pose, in mm and degrees, so that all robots share one frame. */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #define GAIN      1.5    /* 1/s, from the error of the gap in m to m/s */
 #define FASTEST   0.35   /* m/s */
 #define PERIOD    10     /* 1/100 s */
-#define SILENCE   200    /* 1/100 s without a message: the robot ahead has ended */
+#define SILENCE   200    /* 1/100 s without a message after which the robot ahead counts as ended */
 #define POINTS    1024   /* a power of 2 */
 #define LENGTH    4      /* bytes of a message: x and y in mm, two bytes each, the lower one first */
 
@@ -66,7 +66,7 @@ static int listen(int leader)
   return heard;
 }
 
-/* Steers along the trail; the more of it lies ahead, the faster. */
+/* Steers along the trail: faster if more of the trail lies ahead. */
 static void steer(void)
 {
   PositionType at;

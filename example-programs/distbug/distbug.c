@@ -8,9 +8,9 @@
 #include "eyebot.h"
 
 #define POINTS 360
-#define NEAR 260        /* obstacle ahead at which it begins to follow, mm */
-#define KEEP 220        /* distance kept from the boundary to the scanner, mm */
-#define STEP 100        /* gain of distance to the goal for which it leaves, mm */
+#define NEAR 260        /* distance of an obstacle ahead at which the robot starts to follow, mm */
+#define KEEP 220        /* distance of the scanner from the boundary, mm */
+#define STEP 100        /* reduction of the distance to the goal at which the robot leaves the boundary, mm */
 #define HALF_WIDTH 120  /* half width of the corridor that the robot needs, mm */
 #define SPEED 200       /* mm/s */
 
@@ -102,7 +102,7 @@ int main(int argc, char *argv[])
         VWSetSpeed(0, 0);
         return 1;
       }
-      /* It leaves only where it will get nearer than ever before, so it cannot go around in circles. */
+      /* It leaves only if it will get nearer to the goal than ever before, so it cannot go around in circles. */
       room = free_distance(turn);
       if (room > NEAR && (to_goal - (room - NEAR) <= nearest_yet - STEP || room >= to_goal) && from_hit > 100) {
         is_following = 0;

@@ -1,4 +1,4 @@
-/* Finds a ball by its colour, drives to it and stops in front of it: as follow-ball.c, for RoBIOS 6 and its images of 80 x 60
+/* Finds a ball by its colour, drives to it and stops in front of it, like follow-ball.c, for RoBIOS 6 and its images of 80 x 60
    pixels within a border of one. There is no function for hue and saturation, so they are computed here. */
 #include <math.h>
 #include <stdlib.h>

@@ -92,7 +92,7 @@ static int limited(double value, int limit)
   return (int)(value > limit ? limit : value < -limit ? -limit : value);
 }
 
-/* Drives ahead to another place, as far as there is room. */
+/* Drives ahead to another place, as far as the free distance permits. */
 static void move_on(void)
 {
   int room = PSDGet(PSD_FRONT) - 300;

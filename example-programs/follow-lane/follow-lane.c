@@ -13,10 +13,10 @@
 #define TILT -10       /* tilt of the camera, degrees */
 #define CAMERA_X 62    /* of the S4, mm */
 #define CAMERA_Z 60
-#define CONTRAST 50    /* least contrast between road and marking */
+#define CONTRAST 50    /* minimum contrast between road and marking */
 #define WIDEST 60      /* maximum width of a marking, mm */
 #define SPEED 300      /* mm/s */
-#define ROUND (360 + 90) /* degrees: a lap turns the robot by 360; 90 more, since it may have begun before a bend */
+#define ROUND (360 + 90) /* degrees: a lap turns the robot by 360; 90 more, since it may have started before a bend */
 
 #define ROWS 5
 static const int rows[ROWS] = {66, 62, 58, 54, 50}; /* of the image, from near to far */

@@ -13,11 +13,11 @@ from eye import *
 WIDTH, HEIGHT = 160, 120  # QQVGA
 FOCAL = WIDTH / 2 / tan(radians(30))  # in pixels: the field of view is 60 degrees wide
 TILT = radians(-35)
-CAMERA_X, CAMERA_Z = 62, 60  # of the S4, mm
-ROWS = (70, 62, 54, 46, 38)  # of the image, from near to far
-CONTRAST = 50  # least contrast between line and floor
+CAMERA_X, CAMERA_Z = 62, 60  # position of the S4's camera, mm
+ROWS = (70, 62, 54, 46, 38)  # rows of the image, from near to far
+CONTRAST = 50  # minimum contrast between line and floor
 SPEED = 200  # mm/s
-ROUND = 360 + 90  # degrees: a lap turns the robot by 360; 90 more, since it may have begun before a bend
+ROUND = 360 + 90  # degrees: a lap turns the robot by 360; 90 more, since it may have started before a bend
 
 
 def place(column, row):

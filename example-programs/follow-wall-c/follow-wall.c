@@ -8,7 +8,7 @@
 #define LOST_MM  500   /* a farther wall is not the one being followed */
 #define AHEAD_MM 250   /* the minimum distance to a wall ahead */
 #define SPEED    0.2   /* m/s */
-#define RATE     1.2   /* rad/s, the fastest turn */
+#define RATE     1.2   /* rad/s, maximum turn rate */
 #define CORNER   0.55  /* rad/s, around a corner: at SPEED a circle of 0.36 m */
 #define FACTOR   0.006 /* rad/s for a millimetre */
 

@@ -5,7 +5,7 @@
 #include "eyebot.h"
 
 #define DIFFERENCE 30 /* between grey levels; noise makes smaller ones */
-#define PIXELS     4  /* least number of pixels that differ */
+#define PIXELS     4  /* minimum number of differing pixels */
 #define QUIET      100 /* 1/100 s without motion, after which motion is reported again */
 
 static image frames[2], differences;

@@ -7,9 +7,9 @@
 
 #define SPEED   0.2   /* m/s */
 #define FREE_MM 300   /* the sensor sees farther into a gap */
-#define GAP     0.8   /* m, the shortest gap it takes */
+#define GAP     0.8   /* m, minimum length of a gap */
 #define RADIUS  0.4   /* m, of the arcs */
-#define SIDE    0.38  /* m, how far it moves to the side */
+#define SIDE    0.38  /* m, lateral displacement of the manoeuvre */
 #define SENSOR  0.09  /* m, from the rear axle (the origin of odometry) ahead to the sensor */
 
 static VWHandle vw;

@@ -15,8 +15,8 @@ enum { PSD_AHEAD = 1, PSD_FRONT_RIGHT = 3, PSD_BACK_RIGHT = 5, PSD_BELOW = 6 };
 #define BASE 800      /* between the sensors to the right, mm */
 #define WALL 1500     /* distance to keep from the wall, mm */
 #define HEIGHT 900    /* height to keep above the floor, mm */
-#define CORNER 2500   /* a wall ahead that is nearer is a corner, mm */
-#define CLEAR 3500    /* behind a corner the way ahead is at least this long, mm */
+#define CORNER 2500   /* distance of a wall ahead below which it is a corner, mm */
+#define CLEAR 3500    /* minimum free distance ahead after a corner, mm */
 #define CRUISE 40     /* thrust along a wall, percent */
 #define TURN 25       /* thrust of a turn on the spot */
 
@@ -51,7 +51,7 @@ static void thrust(int ahead, int to_left)
   MOTORDrive(RIGHT, ahead + to_left);
 }
 
-/* Goes along the wall at the right until a wall ahead is nearer than `until` mm. */
+/* Follows the wall at the right until a wall ahead is nearer than `until` mm. */
 static void follow_wall(int until)
 {
   Signal angle = {0, 0}; /* between wall and heading, rad to the left */
@@ -70,7 +70,7 @@ static void follow_wall(int until)
   }
 }
 
-/* Mako comes nearer to the wall at the right if it goes ahead. */
+/* Returns 1 if Mako would approach the right wall by driving ahead. */
 static int nears_wall(void)
 {
   return PSDGet(PSD_FRONT_RIGHT) < PSDGet(PSD_BACK_RIGHT);

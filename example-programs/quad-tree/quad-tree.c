@@ -1,4 +1,4 @@
-/* Plans with a quad-tree: splits the world into free squares, finds the shortest way from square to square with A*, and drives
+/* Plans with a quad-tree: splits the world into free squares, finds the shortest path from square to square with A*, and drives
  * along their centres. Optional arguments: the goal, X Y in mm. */
 #define WORLD "../../worlds/rooms.wld"
 #include "../plan/plan.h"

@@ -10,8 +10,8 @@
 #define CELL     0.36f  /* m */
 #define SPEED    0.2f   /* m/s */
 #define NEAR     140    /* mm: a wall at the side is nearer */
-#define TIMEOUT  20     /* 1/100 s without an acknowledgement: send again */
-#define LINGER   300    /* 1/100 s of silence at the end: an acknowledgement may be lost */
+#define TIMEOUT  20     /* 1/100 s without an acknowledgement until a report is sent again */
+#define LINGER   300    /* 1/100 s of silence at the end, since an acknowledgement may be lost */
 #define UNKNOWN  4
 
 enum kind { FOUND, ACK };
@@ -116,7 +116,7 @@ static void hear(void)
   if (RADIORecv(&sender, &length, message) != 0)
     return;
   if (!decode(message, length, &report)) {
-    garbled++;  /* it will be repeated */
+    garbled++;  /* the sender will repeat it */
     return;
   }
   if (report.kind == FOUND) {

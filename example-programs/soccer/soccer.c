@@ -40,7 +40,7 @@ static int kick_off(VWHandle vw, PSDHandle front)
   double angle;
   int distance;
 
-  /* Behind the ball, seen from the goal, and turned to it. */
+  /* Drive behind the ball, as seen from the goal, and turn to the goal. */
   go(vw, &at, BALL_X - BEHIND * cos(to_goal), BALL_Y - BEHIND * sin(to_goal), SPEED);
   angle = remainder(to_goal - at.phi, 2 * M_PI);
   VWDriveTurn(vw, angle, RATE);

@@ -2,7 +2,7 @@
 #include "eyebot.h"
 #include <stdio.h>
 
-#define SONAR 5         /* its number in the robot's companion */
+#define SONAR 5         /* number of the sonar in the robot's companion */
 #define STEP 14         /* positions of the servo between two directions */
 #define TO_EITHER_SIDE 9
 

@@ -1,5 +1,5 @@
 /* A token goes round a ring of robots over a radio that loses messages: stop-and-wait. The holder sends the token to the next robot
-   until that robot acknowledges it. A token carries the number of its hop, by which duplicates are recognised.
+   until that robot acknowledges it. A token carries the number of its hop, so receivers recognise duplicates.
    Arguments: number of robots, number of rounds. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #define TOKEN    'T'   /* followed by the number of the hop, 4 bytes, the lowest first */
 #define ACK      'A'   /* the same */
 #define LENGTH   5
-#define TIMEOUT  6     /* 1/100 s without an answer: send again */
+#define TIMEOUT  6     /* 1/100 s without an answer until a message is sent again */
 #define LINGER   300   /* 1/100 s at the end, since the last acknowledgement may be lost */
 
 static int me, previous, next;

@@ -7,7 +7,7 @@
 #define KNEE 4
 #define SHANK 2 /* link */
 
-/* Prints a line for each leg: angles of hip and knee in degrees, place and height of the knee in mm, and contact of the foot. */
+/* Prints a line for each leg: angles of hip and knee in degrees, position and height of the knee in mm, and contact of the foot. */
 static void show(const char *what)
 {
   float height, hip, knee, shank[6];

@@ -1,10 +1,10 @@
 //! Invariants that every reader must keep for any input.
 //!
-//! Each [`Target`] passes one input to one reader and panics when the reader does, or when the reader's result breaks an invariant:
-//! a number that is not finite or out of its documented range, a span outside the text, a diagnostic without words. `pack` reads archives, `turn` is the
-//! host's side of the channel of a robot's process. The fuzz
-//! targets in `fuzz/` only call these functions; normal tests call them with the committed inputs. This crate generates no inputs
-//! and reads no files.
+//! Each [`Target`] passes one input to one reader. It panics if the reader panics or the reader's result breaks an
+//! invariant: a number that is not finite or outside its documented range, a span outside the text, a diagnostic
+//! without a message. The reader of the target `turn` is the host's side of the channel to a robot's process. The fuzz
+//! targets in `fuzz/` only call these functions; normal tests call them with the committed inputs. This crate generates
+//! no inputs and reads no files.
 #![forbid(unsafe_code)]
 
 pub mod archive;
@@ -16,7 +16,7 @@ mod turn;
 /// A reader and the invariants of its result.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Name, as in `cargo fuzz run NAME` and of the folders of its inputs.
+    /// Name in `cargo fuzz run NAME`; also the name of the folders with its inputs.
     pub name: &'static str,
     /// Panics if the input breaks an invariant.
     pub check: fn(&[u8]),
@@ -28,8 +28,8 @@ impl Target {
     }
 }
 
-/// All targets. An input is a file of the reader's kind, for `load_scene`, `mesh` and `map` an [`archive`] of several, for `turn` a list of
-/// messages.
+/// All targets. An input is a file of the reader's kind. For `load_scene`, `mesh` and `map` it is an [`archive`] of
+/// several files, for `turn` a list of messages.
 pub const TARGETS: &[Target] = &[
     Target::new("world", reader::world),
     Target::new("maze", reader::maze),

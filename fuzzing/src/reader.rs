@@ -63,7 +63,7 @@ pub fn scene(input: &[u8]) {
     spec::sim(&sim, &Lines::new(&content));
 }
 
-/// A suite: its cases are those of the matrix, and its text is read again as the same suite.
+/// Checks that a suite's cases are those of its matrix, and that its text is read back as the same suite.
 pub fn suite(input: &[u8]) {
     let (content, _) = sim_format::decode(input);
     let (suite, diagnostics) = read_suite("a.suite.toml", &content);
@@ -82,7 +82,7 @@ pub fn suite(input: &[u8]) {
     }
 }
 
-/// An archive: its files have names that lead nowhere else.
+/// Checks that the names of an archive's files lead to no other folder.
 pub fn pack(input: &[u8]) {
     let Ok(pack) = Pack::read(input) else { return };
     assert!(pack.files.contains_key(&pack.manifest.main));
@@ -131,7 +131,7 @@ pub fn mesh(input: &[u8]) {
     diagnostics(&archive, &reader.finish().0);
 }
 
-/// A map with its image: the first file of the archive is a `map.yaml` or a map of MovingAI.
+/// Checks the reader of maps with images; the first file of the archive is a `map.yaml` or a MovingAI map.
 pub fn map(input: &[u8]) {
     let archive = Archive::new(input);
     let loaded = sim_format::load_world(archive.first(), &archive);
@@ -139,22 +139,23 @@ pub fn map(input: &[u8]) {
     diagnostics(&archive, &loaded.diagnostics);
 }
 
-/// The image of a map.
+/// Checks the reader of a map's image.
 pub fn netpbm(input: &[u8]) {
     alone("a.pgm", input);
 }
 
-/// A maze in one of the forms of contests.
+/// Checks the reader of mazes in the formats of contests.
 pub fn contest(input: &[u8]) {
     alone("a.txt", input);
 }
 
-/// A world of Gazebo.
+/// Checks the reader of Gazebo worlds.
 pub fn sdf(input: &[u8]) {
     alone("a.sdf", input);
 }
 
-/// A file of a world alone. Walls of mazes and of Gazebo have places in the text, those of images none.
+/// Checks a world in a single file. Walls of mazes and of Gazebo worlds have locations in the text; walls of images
+/// have none.
 fn alone(name: &str, input: &[u8]) {
     let files = MemoryFiles::from_iter([(name, input)]);
     let loaded = sim_format::load_world(name, &files);
@@ -167,7 +168,7 @@ fn alone(name: &str, input: &[u8]) {
     spec::world(&loaded.scene.world, &lines);
 }
 
-/// Scenarios of MovingAI: start and goal lie on the map.
+/// Checks that start and goal of MovingAI scenarios are on the map.
 pub fn scenarios(input: &[u8]) {
     let (content, _) = sim_format::decode(input);
     let (scenarios, diagnostics) = read_scenarios("a.scen", &content);

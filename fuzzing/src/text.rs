@@ -3,11 +3,11 @@
 use sim_core::spec::Span;
 use sim_format::{Code, Diagnostic};
 
-/// Maximum number of diagnostics kept per file: 1000, and one with the count of the others.
+/// Maximum number of diagnostics per file: 1000, and one with the count of the remaining ones.
 const MAX_KEPT: usize = 1001;
 
-/// Panics unless the `diagnostics` of `text` are valid: each with words, a span within the text and the right line and column;
-/// sorted, and not more than the maximum.
+/// Panics unless the `diagnostics` of `text` are valid: each has a message, a span within the text and the right line
+/// and column; they are sorted, and their number does not exceed the maximum.
 pub fn check(text: &str, diagnostics: &[Diagnostic]) {
     assert!(diagnostics.len() <= MAX_KEPT, "{} diagnostics", diagnostics.len());
     let lines = Lines::new(text);
@@ -19,7 +19,7 @@ pub fn check(text: &str, diagnostics: &[Diagnostic]) {
     assert!(sorted.is_sorted_by_key(|diagnostic| diagnostic.span), "not in the order of the text: {diagnostics:#?}");
 }
 
-/// Panics unless a diagnostic states in one line each the mistake and the expected input.
+/// Panics unless a diagnostic states the mistake and the expected input in one line each.
 pub fn words(diagnostic: &Diagnostic) {
     let Diagnostic { code, message, expected, suggestion, .. } = diagnostic;
     for words in [message, expected].into_iter().chain(suggestion) {

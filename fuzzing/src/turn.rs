@@ -1,4 +1,4 @@
-//! The channel between the host and a robot's process, written by a process that obeys no protocol.
+//! The channel between the host and a robot's process that violates the protocol.
 
 use std::fs::File;
 use std::os::unix::fs::FileExt as _;
@@ -16,14 +16,14 @@ use sim_host::program::find::ProgramSource;
 use sim_host::program::image::ProgramImage;
 use sim_host::program::prepare::{Code, Prepared};
 
-/// Offset in a channel of the words behind the turn, with which a record begins, and their size in bytes.
+/// Offset in a channel of the words after the turn, and their size in bytes; a record begins with these words.
 const WORDS: u64 = 12;
 const WORDS_SIZE: usize = 28;
 
 /// Offset of the message's body.
 const BODY: u64 = 64;
 
-/// A robot that answers each call with its documented failure.
+/// A robot that returns each call's documented failure.
 struct Robot;
 
 impl CallContext for Robot {}
@@ -31,13 +31,14 @@ impl Support for Robot {}
 impl Robios6 for Robot {}
 impl Robios7 for Robot {}
 
-/// A host serves the program of a process whose messages are the records of `input`: each is a length in two bytes, then as many bytes,
-/// the words of the channel's header behind the turn and the body of the message. A length of 0 in the header stands for the body's.
+/// Serves the program of a process whose messages are the records of `input`. A record is a length in two bytes, then
+/// as many bytes: the words of the channel's header after the turn, and the body of the message. A length of 0 in the
+/// header stands for the length of the body.
 ///
-/// The host must answer each message or give the process up, with a reason.
+/// The host must answer each message, or abandon the process with a reason.
 pub fn turn(input: &[u8]) {
     let (is_over, program) = (AtomicBool::new(false), Arc::clone(&PROGRAM));
-    // The process does nothing by itself: this process writes its channel.
+    // The process itself does nothing: this process writes its channel.
     let mut command = Command::new("sleep");
     command.arg("1000");
     let child = Child::start(command, None).expect("the system has room for a process");
@@ -54,7 +55,7 @@ pub fn turn(input: &[u8]) {
     });
 }
 
-/// Sets its variable when dropped, also by a panic.
+/// Sets its variable when dropped, including by a panic.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -63,7 +64,7 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Runs the program to its end and looks at all that is known of it then.
+/// Runs the program to its end and reads all results that are then available.
 fn serve(program: &RemoteProgram) {
     if let Err(broken) = program.run(&Robot) {
         assert!(!broken.description.is_empty(), "given up without a reason");
@@ -74,7 +75,7 @@ fn serve(program: &RemoteProgram) {
     assert!(location.is_none_or(|location| !location.is_empty()), "a place without words");
 }
 
-/// Writes a record each time the process has the turn, and at last the end of `main`.
+/// Writes a record each time the process has the turn, and finally the end of `main`.
 fn write_records(file: &File, input: &[u8], is_over: &AtomicBool) {
     let channels = file.try_clone().and_then(Channels::of_file).expect("the file of channels");
     let channel = channels.map(0).expect("room for a mapping");
@@ -100,13 +101,13 @@ fn write_records(file: &File, input: &[u8], is_over: &AtomicBool) {
     }
 }
 
-/// The next record of an input, and the rest.
+/// The next record of an input, and the remaining input.
 fn record(input: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = input.split_first_chunk::<2>()?;
     Some(rest.split_at(rest.len().min(u16::from_le_bytes(*length).into())))
 }
 
-/// The program of the process: any library, for the places in it.
+/// The program of the process: any library; its locations are used.
 static PROGRAM: LazyLock<Arc<Prepared>> = LazyLock::new(|| {
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the kernel lists the mappings");
     let library = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));

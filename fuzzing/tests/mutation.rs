@@ -1,4 +1,5 @@
-//! Mutated seeds, with pieces changed, removed, duplicated and exchanged: a fuzzer's first steps, in every test run.
+//! Mutated seeds, with pieces changed, removed, duplicated and exchanged, like a fuzzer's first steps; they are part of
+//! every test run.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! All committed inputs, and a local corpus of EyeSim files if present, checked against the invariants of their reader.
+//! All committed inputs, and a local corpus of EyeSim files if present, checked against the invariants of their
+//! readers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
-/// Files in `folder` and below it, in order of their paths; none if there is no such folder.
+/// Files in `folder` and below it, in the order of their paths; none if the folder does not exist.
 fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -25,7 +26,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn replay(target: &str, path: &Path) {
-    // Printed if the check panics.
+    // Shown if the check panics.
     println!("{target}: {}", path.display());
     check(target, &fs::read(path).expect("a readable file"));
 }

@@ -1,7 +1,7 @@
 """Mows the lawn: complete it."""
 from eye import *
 
-x, y, z, phi = SIMGetRobot(0)  # the robot's place on the lawn: once, at the start
-VWSetPosition(x, y, phi)       # from here on odometry tells it
+x, y, z, phi = SIMGetRobot(0)  # true pose of the robot on the lawn, read once, at the start
+VWSetPosition(x, y, phi)       # from here on odometry gives the pose
 VWStraight(100, 300)
 VWWait()

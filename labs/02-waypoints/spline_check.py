@@ -1,7 +1,7 @@
-"""Judges the way: until it reaches the last waypoint, the robot's centre is never farther than 40 mm from the spline.
+"""Checks the path: until it reaches the last waypoint, the robot's centre is never farther than 40 mm from the spline.
 
-The spline is that of Catmull and Rom through the start and the waypoints: the direction in each point is half the way from the point before
-it to the point behind it; the first point stands for the one before it, and so does the last one.
+The spline is that of Catmull and Rom through the start and the waypoints: the tangent at each point is half of the vector from the
+previous point to the next one. At the start the first point also serves as the previous one, and at the end the last one as the next one.
 """
 import json
 import math

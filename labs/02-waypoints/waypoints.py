@@ -4,7 +4,7 @@ import sys
 from eye import *
 
 numbers = list(map(int, sys.argv[1:]))
-x, y, z, phi = SIMGetRobot(0)  # the robot's place: once, at the start
-VWSetPosition(x, y, phi)       # from here on odometry tells it
+x, y, z, phi = SIMGetRobot(0)  # true pose of the robot, read once, at the start
+VWSetPosition(x, y, phi)       # from here on odometry gives the pose
 for to_x, to_y in zip(numbers[::2], numbers[1::2]):
     LCDPrintf("waypoint %d %d\n", to_x, to_y)

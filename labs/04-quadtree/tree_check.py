@@ -1,6 +1,6 @@
-"""Judges the quadtree that the program prints: a line `free ROW COLUMN SIZE` for each free square, in cells, in any order.
+"""Checks the quadtree that the program prints: a line `free ROW COLUMN SIZE` for each free square, in cells, in any order.
 
-The right tree follows from where the pillars of this seed stand, which the report lists.
+The right tree follows from the positions of this seed's pillars in the report.
 """
 import json
 import re

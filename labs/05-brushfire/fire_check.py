@@ -1,8 +1,8 @@
-"""Judges the grid that the program prints, or the way that the robot takes.
+"""Checks the grid that the program prints, or the path of the robot.
 
-Grid: the last 16 lines with 16 whole numbers each, from the top. An occupied cell has 1; any other has 1 more than the least of its four
-neighbours, where what lies beyond the floor counts as occupied. Way: no cell that the robot's centre comes to has a smaller number than
-it must: the best way from the start to the goal has none, and neither has this one.
+Grid: the last 16 lines with 16 whole numbers each, from the top. An occupied cell has 1. Any other cell has 1 more than the minimum of its
+four neighbours; cells beyond the floor count as occupied. Path: its minimum number over the cells of the robot's centre must be the maximum
+that any path from the start to the goal has.
 """
 import json
 import sys

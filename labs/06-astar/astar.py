@@ -1,4 +1,4 @@
-"""Finds a shortest way by A* and drives it: complete it. Arguments: eight places, then the pillars, X Y each, in mm."""
+"""Finds a shortest path by A* and drives along it: complete it. Arguments: eight places, then the pillars, X Y each, in mm."""
 import sys
 
 from eye import *
@@ -8,7 +8,7 @@ PLACES = 8
 numbers = list(map(int, sys.argv[1:]))
 points = list(zip(numbers[::2], numbers[1::2]))
 places, pillars = points[:PLACES], points[PLACES:]
-x, y, z, phi = SIMGetRobot(0)  # the robot's place: once, at the start
-VWSetPosition(x, y, phi)       # from here on odometry tells it
+x, y, z, phi = SIMGetRobot(0)  # true pose of the robot, read once, at the start
+VWSetPosition(x, y, phi)       # from here on odometry gives the pose
 LCDPrintf("places %s\n", str(places))
 LCDPrintf("pillars %s\n", str(pillars))

@@ -1,7 +1,7 @@
-"""Judges the distance matrix that the program prints, the way that it prints, or the way that the robot drives.
+"""Checks the distance matrix that the program prints, the path that it prints, or the path that the robot drives.
 
 Matrix: the last 8 lines with 8 whole numbers each: distances between the places in mm, -1 where the straight line from one to the other
-passes through the square of 500 mm around a pillar. Way: the last line `way 0 3 7`: a shortest one from place 0 to place 7.
+passes through the square of 500 mm around a pillar. Path: the last line `way 0 3 7`, a shortest path from place 0 to place 7.
 """
 import json
 import math
@@ -24,7 +24,7 @@ pillars = [*(drawn_at(f"object.pillar.{n}") for n in range(1, 4)), (2000, 2000)]
 
 
 def is_free(a, b):
-    """True if the line from a to b passes through no pillar's square: each axis bounds the part of the line that lies within."""
+    """True if the line from a to b passes through no pillar's square: each axis bounds the part of the line within the square."""
     for pillar in pillars:
         first, last = 0.0, 1.0
         for axis in 0, 1:

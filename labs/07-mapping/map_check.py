@@ -1,12 +1,12 @@
-"""Judges the last map that the program prints: 12 rows, from the top, of 16 cells: `#` occupied, `.` free, `?` unknown.
+"""Checks the last map that the program prints: 12 rows, from the top, of 16 cells: `#` occupied, `.` free, `?` unknown.
 
-The truth is where the boxes of this seed stand, which the report lists.
+The truth follows from the positions of this seed's boxes in the report.
 """
 import json
 import sys
 
 COLUMNS, ROWS, CELL = 16, 12, 250
-RIGHT = 97  # least percentage
+RIGHT = 97  # minimum percentage
 
 question, report, trace = sys.argv[1:]
 drawn = {item["path"]: item["value"] for item in json.load(open(report))["drawn"]}

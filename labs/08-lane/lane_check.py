@@ -1,6 +1,6 @@
-"""Judges the way: the robot's centre is never farther than 90 mm from the middle of the right lane, so that all of it stays in the lane.
+"""Checks the path: the robot's centre is never farther than 90 mm from the middle of the right lane, so its body stays in the lane.
 
-The middle of the road is a rounded rectangle, as in worlds/road.wld; that of the right lane lies 185 mm outside of it.
+The middle of the road is a rounded rectangle, as in worlds/road.wld; the middle of the right lane is 185 mm outside of it.
 """
 import json
 import math

@@ -1,4 +1,4 @@
-"""Judges what robot 4 prints: the five words of robot 1, in their order, each once, and no other line."""
+"""Checks the output of robot 4: the five words of robot 1 in their order, each once, and no other line."""
 import json
 import sys
 

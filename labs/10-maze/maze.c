@@ -1,4 +1,4 @@
-/* Finds its way through the maze: complete it. */
+/* Finds a path through the maze: complete it. */
 #include "eyebot.h"
 
 #define CELL 360 /* mm */

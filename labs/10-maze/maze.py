@@ -1,4 +1,4 @@
-"""Finds its way through the maze: complete it."""
+"""Finds a path through the maze: complete it."""
 from eye import *
 
 CELL = 360  # mm

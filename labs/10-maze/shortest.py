@@ -1,6 +1,6 @@
-"""Judges the race: the last way from the start to the goal, after the goal was found, passes as few cells as a shortest way has.
+"""Checks the race: the last drive from the start to the goal, after the goal was found, passes as few cells as a shortest path.
 
-The maze is the drawing of this seed in the report; the way is that of the true poses in the trace."""
+The maze is the drawing of this seed in the report. The path is that of the true poses in the trace."""
 import json
 import sys
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["Diagnostic", "Error", "Plan", "Pose", "ProgramError", "Robot", "Run", "SceneError", "Simulation", "Speed"]
 __all__ += ["case", "home", "load", "plan", "run"]
 
-# The command and the processes of robots start without numpy: what needs it is imported when it is first named.
+# The command and the processes of robots start without numpy: a module that needs numpy is imported when its name is
+# first used.
 _PLACES = {name: "_errors" for name in ("Diagnostic", "Error", "ProgramError", "SceneError")}
 _PLACES |= {name: "_run" for name in ("Run", "run")}
 _PLACES |= {name: "_sweep" for name in ("Plan", "case", "plan")}

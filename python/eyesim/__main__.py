@@ -6,7 +6,7 @@ from . import _native
 
 
 def main() -> int:
-    """Runs the command with the words of this process; returns its exit code."""
+    """Runs the command with this process's arguments; returns its exit code."""
     words = ["eyesim", *sys.argv[1:]]
     if words[1:2] == ["bench-env"]:
         from ._bench import main as bench

@@ -1,4 +1,4 @@
-"""`eyesim bench-env`: measures the speed and the memory of the environments, beside those of others."""
+"""`eyesim bench-env`: measures the speed and the memory of the environments and of environments by others."""
 
 import argparse
 import gc
@@ -17,7 +17,7 @@ RANGE_FINDERS = 8
 
 
 def main(words: list[str]) -> int:
-    """Runs the command: prints a line for each measurement."""
+    """Runs the command; prints a line for each measurement."""
     parser = argparse.ArgumentParser("eyesim bench-env", description=__doc__)
     parser.add_argument("--count", type=int, default=64, help="environments of a vector [default: 64]")
     parser.add_argument("--threads", type=int, help="threads of a vector [default: one for each core]")
@@ -136,7 +136,7 @@ def _mujoco_robot() -> str:
 
 
 def _resets(task: gym.Task, count: int, threads: int, resets: int) -> None:
-    """Prints the memory after the first hundredth of the resets and after all."""
+    """Prints the memory after the first hundredth of the resets and after all resets."""
     vector = gym.VectorEnv(task, count, threads)
     actions = np.random.default_rng(0).uniform(-1, 1, (count, 2)).astype(np.float32)
     vector.reset(seed=0)
@@ -179,7 +179,7 @@ def _say_resets(count: int, rates: tuple[float, float], what: str) -> None:
 
 
 def _rate(act: Callable[[int], object], seconds: float) -> tuple[float, float]:
-    """Calls of `act` per second of wall-clock time and per second of processor time, measured for so long."""
+    """Calls of `act` per second of wall-clock time and per second of processor time, measured for `seconds`."""
     start, start_used = time.perf_counter(), time.process_time()
     count = 0
     while (elapsed := time.perf_counter() - start) < seconds:

@@ -18,18 +18,18 @@ from . import _native
 from ._errors import Error
 
 EYE = "<eye>"
-"""File of the frames of the modules."""
+"""File name in the stack frames of the modules `eye`."""
 
 _OWN_FILES = {EYE, __file__, os.path.join(os.path.dirname(__file__), "eye.py")}
 _OK, _STOP = 17, 18
 _MAX_REFUSALS = 1000
-"""Number of calls with which a program that must end may try to continue."""
+"""Maximum number of calls of a program that must end but tries to continue."""
 
 _code: CodeType | None = None
 _robots: dict[int, _Robot] = {}
-"""Robots by the threads on which their programs run."""
+"""The robot of each thread that runs a program."""
 _drawing: _Robot | None = None
-"""The robot whose stream `random` uses now."""
+"""The robot whose random stream the module `random` currently uses."""
 _runs = threading.Lock()
 
 
@@ -38,7 +38,7 @@ class _Overdue(BaseException):
 
 
 def new_eye() -> Any:
-    """A module `eye` with a state of its own."""
+    """A new module `eye` with its own state."""
     global _code
     if _code is None:
         _code = compile(_native.eye_source(), EYE, "exec")
@@ -49,7 +49,7 @@ def new_eye() -> Any:
 
 
 def present_eye() -> Any:
-    """The module of the robot whose program the calling thread runs; `None` on other threads."""
+    """The module `eye` of the robot whose program the calling thread runs; `None` on other threads."""
     robot = _robots.get(threading.get_ident())
     return robot.eye if robot else None
 
@@ -58,7 +58,7 @@ class Program:
     """A function as a robot program. The simulator calls `run`, `call_back` and `stop`."""
 
     def __init__(self, reference: str, name: str, function: Callable[..., object]) -> None:
-        """A run refers to it by `reference`. The function is called with the words that are the robot's arguments."""
+        """A run refers to the program by `reference`. The function is called with the robot's arguments."""
         self.reference = reference
         self.name = name
         self.function = function
@@ -70,13 +70,13 @@ class Program:
         return robot.run(self.function, arguments)
 
     def call_back(self, number: int, function: int) -> bool:
-        """Calls a function that the robot's program has attached to a timer; false if it raises."""
+        """Calls a function that the robot's program has attached to a timer; returns false if the function raises."""
         robot = self.robots[number]
         robot.draw()
         return bool(robot.eye._called_back(function) == 0)
 
     def stop(self, number: int) -> None:
-        """Ends the program of a robot where it computes."""
+        """Ends the program of a robot that computes without calling the simulator."""
         robot = self.robots[number]
         robot.is_overdue = True
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(robot.thread), ctypes.py_object(_Overdue))
@@ -93,7 +93,7 @@ class _Robot:
         self.eye._channel = self
         self.eye._own_files = _OWN_FILES
         self.eye._refuse = self._refuse
-        # Other threads of this process are not the program's.
+        # Other threads of this process do not belong to the program.
         self.eye._has_threads = lambda: False
         self.stdin = io.TextIOWrapper(io.BufferedReader(self.eye._Input()), encoding="utf-8", errors="replace")
         self._calls = calls
@@ -103,11 +103,11 @@ class _Robot:
         self._stopped_at: str | None = None
 
     def send(self, kind: int, body: bytes) -> None:
-        """Keeps a message of the module for `receive`."""
+        """Stores a message of the module for `receive`."""
         self._request = body
 
     def receive(self) -> tuple[int, bytes]:
-        """Makes the call; returns kind and body of the answer."""
+        """Makes the stored call; returns the kind and the body of the answer."""
         answer = None if self.is_overdue else self._calls.call(self._request)
         if answer is not None:
             self.draw()
@@ -119,7 +119,8 @@ class _Robot:
     def _refuse(self) -> None:
         self._refusals += 1
         if self._refusals > _MAX_REFUSALS:
-            # The program catches what should end it: it is abandoned, and need not compute.
+            # The program catches the exception that should end it. It is abandoned, and its thread waits without
+            # computing.
             threading.Event().wait()
         raise _Overdue if self.is_overdue else self.eye._Stop
 
@@ -170,7 +171,7 @@ class _Robot:
 
 
 def _of_program(trace: TracebackType | None) -> TracebackType | None:
-    """The part of a traceback from the program's first frame on."""
+    """The part of a traceback that starts at the program's first frame."""
     while trace and trace.tb_frame.f_code.co_filename in _OWN_FILES:
         trace = trace.tb_next
     return trace
@@ -187,7 +188,7 @@ def _place(trace: TracebackType | None) -> str:
 
 
 class _Stream:
-    """A standard stream that is the robot's console on the thread of its program."""
+    """A standard stream; on the thread of a program it is the robot's console."""
 
     def __init__(self, original: Any, own: Callable[[_Robot], Any]) -> None:
         self._original, self._own = original, own
@@ -204,7 +205,7 @@ class _Stream:
 
 
 def _surroundings() -> Iterator[tuple[Any, str, Any]]:
-    """Names that are replaced during a run on the threads of programs: owner, name, replacement."""
+    """The names that a run replaces on the threads of programs: owner, name, replacement."""
     for name, own in (
         ("stdin", lambda robot: robot.stdin),
         ("stdout", lambda robot: robot.eye._consoles[0]),
@@ -220,7 +221,7 @@ def _surroundings() -> Iterator[tuple[Any, str, Any]]:
 
 
 def _on_robots(original: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that is `own`, with the module `eye` before its arguments, on the threads of programs."""
+    """A function that calls `own` on the threads of programs, with the module `eye` as an additional first argument."""
 
     def call(*arguments: Any) -> Any:
         eye = present_eye()
@@ -231,7 +232,7 @@ def _on_robots(original: Callable[..., Any], own: Callable[..., Any]) -> Callabl
 
 @contextmanager
 def _replaced(namespace: dict[str, Any], values: dict[str, Any]) -> Iterator[None]:
-    """Temporarily replaces names of a module."""
+    """Replaces names of a module temporarily."""
     before = {name: namespace[name] for name in values}
     namespace.update(values)
     try:

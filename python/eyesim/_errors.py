@@ -29,11 +29,11 @@ class Diagnostic(NamedTuple):
 
 
 class Error(Exception):
-    """A wrong argument, or a run that is not possible."""
+    """A wrong argument, or a run that is impossible."""
 
 
 class ProgramError(Error):
-    """A function that was a robot's program has failed; `__cause__` is what it raised, if it did."""
+    """A function that was a robot's program has failed; `__cause__` is the exception that it raised, if any."""
 
     robot: int
     """Number of the robot."""
@@ -52,7 +52,7 @@ class SceneError(Error):
     """Mistakes in the files of a scene."""
 
     diagnostics: list[Diagnostic]
-    """All mistakes, warnings too."""
+    """All mistakes, including warnings."""
     file: str
     """File of the first error."""
     line: int

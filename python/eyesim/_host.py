@@ -1,4 +1,4 @@
-"""The interpreter as the simulator's host: the commands that it starts for robots, and the files of the package."""
+"""The interpreter as the simulator's host: the commands that the simulator starts for robots, and the files of the package."""
 
 import importlib.util
 import os
@@ -10,7 +10,7 @@ from . import _native
 
 
 def home() -> Path:
-    """The folder that `%sim%` stands for: worlds, robis, sims and example programs; `$EYESIM_HOME` names another."""
+    """The folder for `%sim%`, with worlds, robis, sims and example programs; `$EYESIM_HOME` overrides it."""
     named = os.environ.get("EYESIM_HOME")
     return Path(named) if named else _own_home()
 
@@ -23,7 +23,7 @@ def zig() -> list[str]:
 
 
 def script() -> Path:
-    """The file that is the command `eyesim`."""
+    """The file of the command `eyesim`."""
     beside = Path(sys.executable).parent / "eyesim"
     return beside if beside.exists() else Path(sysconfig.get_path("scripts")) / "eyesim"
 

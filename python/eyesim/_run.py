@@ -115,7 +115,7 @@ class Run:
 
     @property
     def digest(self) -> str:
-        """Hash of the whole record."""
+        """Hash of all recorded events of the run."""
         return str(self.report["digest"])
 
     @property
@@ -143,7 +143,7 @@ class Run:
         return importlib.import_module("pandas").DataFrame(columns)
 
     def plot(self) -> Picture:
-        """The world from above with the robots' paths; a notebook shows it."""
+        """The world and the robots' paths seen from above, as a picture that a notebook shows."""
         return Picture(self._svg)
 
     def _repr_svg_(self) -> str:

@@ -44,7 +44,7 @@ class Speed(NamedTuple):
 
 
 def source(scene: str | os.PathLike[str]) -> tuple[str, str | None]:
-    """Path and text of a scene: a text has a line break."""
+    """Path and text of a scene; an argument with a line break is a text."""
     if isinstance(scene, str) and "\n" in scene:
         is_sim = not any(line.lstrip().startswith("[") for line in scene.splitlines())
         return ("scene.sim" if is_sim else SOURCE), scene
@@ -52,7 +52,7 @@ def source(scene: str | os.PathLike[str]) -> tuple[str, str | None]:
 
 
 def settings_of(values: dict[str, Any] | None) -> list[str]:
-    """Values of a scene in TOML, as the command line writes them."""
+    """Values of a TOML scene in the format of the command line."""
     return [f"{path}={json.dumps(value)}" for path, value in (values or {}).items()]
 
 
@@ -91,7 +91,7 @@ class Simulation:
 
     @property
     def now(self) -> float:
-        """Present time, s."""
+        """Current time, s."""
         return self._native.now
 
     @property
@@ -126,7 +126,7 @@ class Simulation:
         self._native.act(json.dumps({"do": do, **values}))
 
     def observe(self) -> dict[str, Any]:
-        """Everything that is known without a camera: time, and for each robot its poses, speed, contacts and range readings."""
+        """All values except camera images: the time, and for each robot its poses, speed, contacts and range readings."""
         return {"now": self.now, "robots": [robot.observe() for robot in self.robots], "objects": self.objects}
 
     def snapshot(self) -> Simulation:
@@ -134,7 +134,7 @@ class Simulation:
         return Simulation(self._native.snapshot(), self._opened)
 
     def restore(self, snapshot: Simulation) -> None:
-        """Takes the state of `snapshot`, which stays as it is."""
+        """Restores the state of `snapshot`, which does not change."""
         self._native.restore(snapshot._native)
 
     def run(self, **options: Any) -> Run:
@@ -148,11 +148,11 @@ class Simulation:
         return run(**{**self._opened, "programs": self._programs or None, **options})
 
     def svg(self) -> str:
-        """The present state from above, as SVG."""
+        """The current state seen from above, as SVG."""
         return self._native.svg()
 
     def plot(self) -> Picture:
-        """The present state from above; a notebook shows it."""
+        """The current state seen from above, as a picture that a notebook shows."""
         return Picture(self.svg())
 
     def _repr_svg_(self) -> str:
@@ -183,22 +183,22 @@ class Robot:
 
     @property
     def odometry(self) -> Pose:
-        """Pose by the wheels, in the frame of the start."""
+        """Pose by odometry, in the frame of the start."""
         return Pose(*self._native.odometry(self.number))
 
     @property
     def speed(self) -> Speed:
-        """Velocity by the wheels."""
+        """Velocity derived from the wheels."""
         return Speed(*self._native.speed(self.number))
 
     @property
     def max_speed(self) -> float:
-        """Greatest speed, m/s."""
+        """Maximum speed, m/s."""
         return self._native.limits(self.number)[0]
 
     @property
     def max_turn(self) -> float:
-        """Greatest turning speed, rad/s."""
+        """Maximum turning speed, rad/s."""
         return self._native.limits(self.number)[1]
 
     @property
@@ -208,7 +208,7 @@ class Robot:
 
     @property
     def is_stalled(self) -> bool:
-        """True if the robot is driven and cannot move."""
+        """True if the robot is stalled: it is commanded to drive but cannot move."""
         return self._native.contacts(self.number)[1]
 
     @property
@@ -217,7 +217,7 @@ class Robot:
         return dict(self._native.range_sensors(self.number))
 
     def ranges(self, out: Floats | None = None) -> Floats:
-        """Readings of the range sensors with their noise, m; infinite where nothing is within range. Fills `out` if it is given."""
+        """Readings of the range sensors with their noise, m; infinite if nothing is within range. Fills `out` if it is given."""
         out = np.empty(len(self._native.range_sensors(self.number))) if out is None else out
         self._native.ranges(self.number, out)
         return out
@@ -239,7 +239,7 @@ class Robot:
         return out
 
     def labels(self) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint32]]:
-        """Kind of what each pixel of the last image shows, and its number within the kind.
+        """For each pixel of the last image: the kind of the visible surface or body, and its number within the kind.
 
         Kinds: 0 sky, 1 ground, 2 wall and 3 fixed object (place in the world's file, or among the objects of the scene, from 0),
         4 movable object and 5 robot (their numbers, from 1). Raises `Error` before an image.
@@ -270,7 +270,7 @@ class Robot:
         return self._native.is_done(self.number)
 
     def program(self, program: Program) -> Program:
-        """Makes a file, or a function that calls those of `eyesim.eye`, this robot's program in `Simulation.run`; returns it."""
+        """Sets this robot's program for `Simulation.run`: a file, or a function that calls those of `eyesim.eye`. Returns the program."""
         self.simulation._programs[self.number] = program
         return program
 

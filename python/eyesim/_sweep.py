@@ -16,9 +16,9 @@ from ._errors import Error
 
 
 class Plan(Mapping[str, str]):
-    """The cases of a suite: their names by the keys of their rows, in the order of the suite.
+    """The cases of a suite: a name for each row key, in the order of the suite.
 
-    A plan can be pickled. It has no files: where a case runs, the suite must lie at the same place.
+    A plan can be pickled. It contains no files: where a case runs, the suite must be at the same path.
     """
 
     suite: str
@@ -49,7 +49,7 @@ class Plan(Mapping[str, str]):
 def plan(suite: str | os.PathLike[str]) -> Plan:
     """Reads a suite and builds its programs, as `eyesim sweep plan` does.
 
-    Raises `Error` if a case cannot be run: with the mistakes in its files, or what the compiler says.
+    Raises `Error` if a case cannot be run, with the mistakes in its files or the compiler's messages.
     """
     path, folder = os.fspath(suite), Path.cwd()
     words = [*_host.command(), "sweep", "plan", path]
@@ -120,4 +120,4 @@ class _Runner:
 
 
 _idle: dict[tuple[int, str, Path, str], list[_Runner]] = {}
-"""Processes that wait for a case; started by this process, not by a parent from which it was forked."""
+"""Processes that wait for a case. This process started them, not a parent process that was forked."""

@@ -11,7 +11,7 @@ from typing import Any as _Any
 from . import _callable
 
 _outside = _callable.new_eye()
-"""Attributes outside of runs: constants, and functions that raise because there is no simulator."""
+"""Attributes outside a run: constants, and functions that raise an exception, since there is no simulator."""
 
 __all__ = list(_outside.__all__)
 
@@ -29,7 +29,7 @@ def _forward(name: str, function: _Any) -> _Any:
 
 
 class _Library:
-    """EyeSim VR's library, as programs load it with ctypes."""
+    """Stand-in for EyeSim VR's library, which programs load with ctypes."""
 
     def __getattr__(self, name: str) -> _Any:
         return getattr(_present().lib, name)

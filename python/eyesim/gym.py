@@ -43,13 +43,13 @@ class Readings(NamedTuple):
     pose: Floats
     """True pose: x, y (m), heading (rad), n x 3."""
     speed: Floats
-    """Forward speed by the wheels, m/s, n."""
+    """Forward speed derived from the wheels, m/s, n."""
     turn: Floats
-    """Turning speed by the wheels, rad/s, n."""
+    """Turning speed derived from the wheels, rad/s, n."""
     touched: Flags
     """True where a contact has begun in this step, n."""
     stalled: Flags
-    """True where a robot is driven and cannot move, n."""
+    """True where a robot is stalled, n."""
     steps: npt.NDArray[np.int64]
     """Steps of the episode so far, n."""
 
@@ -87,7 +87,7 @@ def is_touching(readings: Readings) -> Flags:
 
 @dataclass(frozen=True)
 class Task:
-    """A scene, and what is observed, commanded and rewarded in it."""
+    """A scene, with functions for observations, commands and rewards."""
 
     scene: str | os.PathLike[str]
     """Path or text, as for `eyesim.load`."""
@@ -116,7 +116,7 @@ class Task:
 
 
 _BEGIN, _REST = 1, 2
-"""Parts of a simulation in a step other than 0, which drives."""
+"""Kinds of step of a simulation other than 0, which drives."""
 
 
 class Rows:
@@ -145,7 +145,7 @@ class Rows:
         return spaces.Box(-np.inf, np.inf, shape, np.float32)
 
     def seed(self, seed: int | Sequence[int | None] | None) -> None:
-        """Seeds all simulations: the first with `seed`, the next with `seed + 1`, or each with its own."""
+        """Seeds all simulations: the first with `seed`, the next with `seed + 1` and so on, or each with a given seed."""
         if seed is None:
             return
         seeds = [seed + index for index in range(self.count)] if isinstance(seed, int) else list(seed)
@@ -154,7 +154,7 @@ class Rows:
                 self.batch.seed(index, int(own) % 2**64)
 
     def begin(self, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
-        """Begins new episodes in the marked simulations, by default in all; other simulations stay as they are."""
+        """Begins new episodes in the marked simulations, by default in all; other simulations do not change."""
         parts = self._begin if begins is None else np.where(begins, _BEGIN, _REST).astype(np.uint8)
         return self._step(self._still, parts)
 
@@ -181,7 +181,7 @@ class Rows:
         )
 
     def observations(self, readings: Readings) -> npt.NDArray[Any]:
-        """What the task observes, in the type of its space."""
+        """The task's observations, in the data type of their space."""
         return self.task.observe(readings).astype(self.observation_space.dtype, copy=False)
 
 
@@ -228,12 +228,12 @@ class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
 
     @property
     def digest(self) -> str:
-        """Hash of all that has been recorded in this episode."""
+        """Hash of all events recorded in this episode."""
         return self._rows.batch.digest(0)
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]):
-    """Many robots, each in a scene of its own; one call steps all on all cores. See the module for seeds and autoreset."""
+    """Many robots, each in its own scene; one call steps all of them on all cores. See the module for seeds and autoreset."""
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
@@ -304,9 +304,9 @@ heading_deg = 180
 """
 
 _KEPT = 0.3
-"""Distance to the wall that is rewarded most, m."""
+"""Distance to the wall with the maximum reward, m."""
 _LEFT = 2, 3
-"""The sensors that look to the left of the robot `Ring`."""
+"""The sensors of the robot `Ring` that point to the left."""
 
 
 def _wall_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:

@@ -1,7 +1,7 @@
 """Vector environment for stable-baselines3: `VecEnv(task, 64)`, with the simulations, seeds and tasks of `eyesim.gym`.
 
-Other than `eyesim.gym.VectorEnv`, and as stable-baselines3 wants it, the step that ends an episode also begins the next one: its
-observation is the first one of the new episode, and `infos[i]["terminal_observation"]` is the last one of the old.
+Unlike in `eyesim.gym.VectorEnv`, and as stable-baselines3 requires, the step that ends an episode also begins the next one. Its
+observation is the first one of the new episode, and `infos[i]["terminal_observation"]` is the last one of the old episode.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .gym import Rows, Task, _of_one_robot, _task
 
 
 class VecEnv(_VecEnv):  # type: ignore[misc]
-    """Many robots, each in a scene of its own; one call steps all on all cores. The options are the same as for `eyesim.gym.Task`."""
+    """Many robots, each in its own scene; one call steps all of them on all cores. The options are the same as for `eyesim.gym.Task`."""
 
     def __init__(
         self, scene: str | os.PathLike[str] | Task, num_envs: int = 1, threads: int | None = None, **options: Any
@@ -41,7 +41,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         return self._rows.observations(self._rows.begin())
 
     def step_async(self, actions: npt.NDArray[Any]) -> None:
-        """Keeps the actions for `step_wait`."""
+        """Stores the actions for `step_wait`."""
         self._actions = np.asarray(actions)
 
     def step_wait(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float32], npt.NDArray[np.bool_], list[dict[str, Any]]]:
@@ -59,7 +59,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
                 infos[index] = {
                     "terminal_observation": observations[index].copy(),
                     "TimeLimit.truncated": not bool(terminated[index]),
-                    # What `VecMonitor` would say, from which the printed mean return is made.
+                    # The record that `VecMonitor` would add; the printed mean return is computed from it.
                     "episode": {"r": float(self._returns[index]), "l": int(readings.steps[index])},
                 }
             self._returns[done] = 0.0

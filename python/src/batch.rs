@@ -22,7 +22,7 @@ use super::simulation::{self as python, length, range, range_count, reach};
 /// Number of simulations that a thread takes from the queue at a time.
 const ROWS_AT_ONCE: usize = 4;
 
-/// One simulation in a step, its part, and the speed and turning speed of each robot.
+/// One simulation in a step, the kind of its step, and the speed and turning speed of each robot.
 type Row<'a> = (&'a mut Member, StepKind, &'a [f64]);
 
 /// Count of the numbers that follow a robot's ranges: x, y, heading, forward speed, turning speed.
@@ -40,7 +40,7 @@ pub struct Batch {
     workers: Workers,
 }
 
-/// Number of robots in each simulation, and of range sensors of the robot with the most.
+/// Number of robots in each simulation, and number of range sensors of the robot with the most range sensors.
 #[derive(Clone, Copy)]
 struct Size {
     robots: usize,
@@ -70,9 +70,9 @@ struct Beginnings {
 #[derive(Clone)]
 struct Member {
     simulation: simulation::Simulation,
-    /// Seed of the environment.
+    /// Seed of the simulation.
     root: u64,
-    /// Number of episodes that have begun since it was seeded.
+    /// Number of episodes begun since the simulation was seeded.
     episodes: u64,
     /// Number of steps of the episode.
     steps: i64,
@@ -84,19 +84,19 @@ struct Member {
     contacts: Vec<u32>,
 }
 
-/// What a member does in a step.
+/// Kind of a member's step.
 #[derive(Clone, Copy)]
 enum StepKind {
-    /// Its robots drive.
+    /// The member's robots drive.
     Drive,
-    /// Its next episode begins.
+    /// The member's next episode begins.
     Begin,
-    /// It stays as it is.
+    /// The member does not change.
     Rest,
 }
 
 impl StepKind {
-    /// The part with this number in a buffer.
+    /// The kind of step with this number in a buffer.
     fn of_number(number: u8) -> Result<Self, String> {
         match number {
             0 => Ok(Self::Drive),
@@ -107,9 +107,9 @@ impl StepKind {
     }
 }
 
-/// Threads that step members together with the caller's thread; they wait between steps.
+/// Threads that step members together with the caller's thread. Between steps they wait.
 struct Workers {
-    /// Number of threads, the caller's included.
+    /// Number of threads, including the caller's.
     threads: usize,
     /// The pool and the process that created it: a child process has none of its threads.
     pool: Option<(u32, ThreadPool)>,
@@ -207,10 +207,11 @@ impl Batch {
         Ok(())
     }
 
-    /// Steps the simulations by `seconds`, each with its part: 0 drives every robot at its speed and turning speed in
-    /// `actions`, 1 begins its next episode instead, 2 leaves it as it is. Then fills, for each robot, `numbers` (its
-    /// ranges, m; x and y, m; heading, rad; forward speed, m/s; turning speed, rad/s) and `flags` (1 if a contact has
-    /// begun in this step, 1 if it is stalled), and, for each simulation, `steps` (the steps of its episode).
+    /// Steps the simulations by `seconds`. The kind of step of each is: 0 drives every robot at its speed and turning
+    /// speed in `actions`, 1 begins the next episode instead, 2 changes nothing. Then fills, for each robot, `numbers`
+    /// (its ranges, m; x and y, m; heading, rad; forward speed, m/s; turning speed, rad/s) and `flags` (1 if a contact
+    /// has begun in this step, 1 if the robot is stalled), and, for each simulation, `steps` (the steps of its
+    /// episode).
     #[expect(clippy::too_many_arguments, reason = "one buffer for each kind of number")]
     fn step(
         &mut self,
@@ -270,9 +271,8 @@ impl Batch {
     }
 
     /// Steps copies of the first simulation by `seconds` on the given number of threads, without Python, for the
-    /// wall-clock time `real`: each step reads the range sensors; the robots drive small circles, by one command, or by
-    /// the same one in each step if `is_commanded`. Returns the number of steps and the wall-clock time that they took,
-    /// s.
+    /// wall-clock time `real`. Each step reads the range sensors. The robots drive small circles by one command, or by
+    /// a repeated command in each step if `is_commanded`. Returns the number of steps and their wall-clock time, s.
     fn bench(
         &self,
         py: Python<'_>,
@@ -348,8 +348,8 @@ pub fn episode_seed(seed: u64, episode: u64) -> u64 {
 }
 
 impl Member {
-    /// Does its part of a step and observes. `actions` has the speed and turning speed of each robot; robots without an
-    /// action keep their speeds.
+    /// Makes this member's kind of step and observes. `actions` has the speed and turning speed of each robot; robots
+    /// without an action keep their speeds.
     fn step(
         &mut self,
         beginnings: &Beginnings,
@@ -404,7 +404,7 @@ impl Member {
 }
 
 impl Beginnings {
-    /// Creates the initial state of the episode of `seed` from the previous simulation.
+    /// Creates the initial state of the episode with `seed` from the previous simulation.
     fn begin(&self, before: &simulation::Simulation, seed: u64) -> Result<simulation::Simulation, String> {
         let spare = self.scenes.lock().pop();
         let mut scene = spare.unwrap_or_else(|| SceneSpec::clone(&self.scene));
@@ -428,7 +428,7 @@ impl Beginnings {
     }
 }
 
-/// Four random words, which depend on the purpose and on each number.
+/// Four random words, determined by the purpose and by each number.
 fn hash(purpose: &str, numbers: [u64; 2]) -> [u64; 4] {
     let mut hasher = blake3::Hasher::new_derive_key(purpose);
     numbers.iter().for_each(|number| {

@@ -22,8 +22,8 @@ pub struct Calls(Arc<dyn embedded::Calls>);
 
 #[pymethods]
 impl Calls {
-    /// Carries out the call in `request`, the body of a message, while other threads of Python run; returns the body of the answer, or
-    /// `None` if the program must end.
+    /// Executes the call in `request`, the body of a message, while other Python threads run. Returns the body of the
+    /// answer, or `None` if the program must end.
     fn call<'py>(&self, py: Python<'py>, request: &[u8]) -> PyResult<Option<Bound<'py, PyBytes>>> {
         let mut reply = Vec::new();
         let status = py.detach(|| self.0.call(request, &mut reply)).map_err(|failed| error(py, failed))?;
@@ -56,8 +56,8 @@ impl EmbeddedCode for Callable {
 }
 
 impl Callable {
-    /// Returns the value. On an error reports the exception to Python as unraisable, since no caller could catch it,
-    /// and returns `None`.
+    /// Returns the value. Reports an error to Python as an unraisable exception, since no caller could catch it, and
+    /// returns `None`.
     fn value_or_report<T>(&self, py: Python<'_>, result: PyResult<T>) -> Option<T> {
         result.map_err(|failed| failed.write_unraisable(py, Some(self.0.bind(py)))).ok()
     }

@@ -10,8 +10,8 @@ pub fn error(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
     new(py, "Error", (message.to_string(),))
 }
 
-/// The exception of an error of the launch: `eyesim.SceneError` with the positions of all mistakes in the scene's
-/// files, otherwise `eyesim.Error`.
+/// The exception for a launch error: `eyesim.SceneError` with the locations of all mistakes in the scene's files,
+/// otherwise `eyesim.Error`.
 pub fn of_launch(py: Python<'_>, failed: launch::Error) -> PyErr {
     match failed {
         launch::Error::Rejected(rejected) => scene_error(py, &rejected.diagnostics),
@@ -26,7 +26,7 @@ pub fn of_launch(py: Python<'_>, failed: launch::Error) -> PyErr {
     }
 }
 
-/// An `eyesim.SceneError` of these mistakes.
+/// An `eyesim.SceneError` for these mistakes.
 pub fn scene_error(py: Python<'_>, diagnostics: &[Diagnostic]) -> PyErr {
     let row = |it: &Diagnostic| {
         let (severity, code) = (it.severity.to_string(), it.code.to_string());

@@ -1,8 +1,7 @@
 //! The extension module `eyesim._native`, which the Python package calls.
 //!
-//! The rooms translate: numbers, buffers and exceptions of Python on one side, the library's values on the other. The
-//! package's own files in `python/eyesim` give them names, types and shapes. While the library works, other Python
-//! threads run.
+//! The rooms convert between Python's numbers, buffers and exceptions and the library's values. The package's own files
+//! in `python/eyesim` add names, types and shapes. While the library works, other Python threads run.
 
 mod batch;
 mod callable;
@@ -13,11 +12,11 @@ mod simulation;
 
 use pyo3::prelude::*;
 
-/// The host's heap is not libc's, which a robot program that faults may leave locked or corrupted.
+/// The host does not use libc's heap: a crashed robot program may leave libc's heap locked or corrupt.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Functions and classes on which the package `eyesim` is built; their types are in `_native.pyi`.
+/// Functions and classes that the package `eyesim` uses; `_native.pyi` gives their types.
 #[pymodule]
 mod _native {
     #[pymodule_export]

@@ -27,7 +27,7 @@ use super::simulation::{duration, length, parse_settings};
 /// Interval at which a run checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Stack size of a run's thread, in bytes; the usual size of a main thread's stack.
+/// Stack size of a run's thread, in bytes: the usual stack size of a main thread.
 const STACK: usize = 8 << 20;
 
 /// Reasons why a run has no result.
@@ -56,7 +56,7 @@ impl From<PlotError> for Failed {
     }
 }
 
-/// Options of a run, under the names that the package uses; an absent option has the default of `eyesim run`.
+/// Options of a run, under their names in the package; an absent option has the default of `eyesim run`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct RunOptions {
@@ -112,7 +112,8 @@ impl RunOptions {
     }
 }
 
-/// Runs a scene to its end; returns the report as JSON, the trace as lines of JSON if it is wanted, and the picture as SVG.
+/// Runs a scene to its end. Returns the report as JSON, the trace as JSON lines if `trace` is set, and the picture as
+/// SVG.
 #[pyfunction]
 pub fn run<'py>(
     py: Python<'py>,
@@ -141,15 +142,15 @@ pub fn run<'py>(
     }
 }
 
-/// Runs `run` on a thread of its own, while the calling thread, the only one that receives Python's signals, checks for
-/// Ctrl-C and then interrupts the run. Returns the exception of the interrupt, too.
+/// Runs `run` on a separate thread. The calling thread, the only one that receives Python's signals, meanwhile checks
+/// for Ctrl-C and then interrupts the run. Also returns the exception of the interrupt.
 fn on_own_thread<T: Send>(
     run: impl FnOnce() -> Result<T, Failed> + Send,
     interrupt: &Interrupt,
 ) -> (Result<T, Failed>, PyResult<()>) {
     thread::scope(|scope| {
         let (sender, receiver) = mpsc::sync_channel(1);
-        // The receiver lives until the only message has come.
+        // The receiver lives until the only message has arrived.
         let run = move || _ = sender.send(run());
         let thread = thread::Builder::new().name("eyesim".to_owned()).stack_size(STACK).spawn_scoped(scope, run);
         let thread = match thread {

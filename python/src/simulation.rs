@@ -24,7 +24,7 @@ use sim_host::launch::{self, Scene};
 
 use super::error::{error, of_launch, scene_error};
 
-/// Simulated time after which a step checks for an interrupt by the user.
+/// Interval of simulated time at which a step checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Time = Time::from_millis(10_000);
 
 /// Maximum simulated time that an argument may give, s.
@@ -291,12 +291,12 @@ impl Simulation {
         self.value.command(id, command).map_err(|failed| error(py, failed))
     }
 
-    /// Another state of this simulation's scene.
+    /// Another simulation of the same scene, with this state.
     pub(crate) fn with_value(&self, value: simulation::Simulation) -> Self {
         Self { value, scene: Arc::clone(&self.scene), options: self.options, has_visuals: false }
     }
 
-    /// Builds the cameras' scenery, at the first image.
+    /// Builds the scenery for the cameras at the first image.
     fn show(&mut self, py: Python<'_>) {
         if !self.has_visuals {
             let scene = &self.scene;

@@ -1,4 +1,4 @@
-"""Functions as robot programs: the same runs as from files, errors with robot and line, and what surrounds a program."""
+"""Functions as robot programs: the same runs as from files, errors with robot and line, and the environment of a program."""
 
 import json
 import os
@@ -34,7 +34,7 @@ EXAMPLES = {
 
 
 def as_function(path):
-    """A function that runs the program in a file as it is."""
+    """A function that runs the program in a file unchanged."""
 
     def program():
         exec(compile(path.read_bytes(), str(path), "exec"), {"__name__": "__main__"})
@@ -102,7 +102,7 @@ def test_functions_share_what_their_module_has():
     assert poses == {1: (100, 0, 0), 2: (200, 0, 0)}
     assert [robot["outcome"] for robot in run.report["robots"]] == ["finished"] * 2
     assert [robot["program"] for robot in run.report["robots"]] == ["drive()"] * 2
-    # One at a time, in the same order each time.
+    # Programs run one at a time, in the same order each time.
     order = []
 
     def note():
@@ -195,7 +195,7 @@ def test_a_program_that_catches_its_end_is_left_behind():
 
     run = eyesim.run(SQUARE, programs=catches, until=5)
     assert run.report["robots"][0]["outcome"] == "running"
-    # It does not compute any more.
+    # The program has stopped computing.
     used = time.process_time()
     time.sleep(0.5)
     assert time.process_time() - used < 0.4
@@ -221,7 +221,7 @@ def test_ctrl_c_ends_an_endless_loop():
         assert time.monotonic() - start < 30
         timer.join()
         assert pid == os.getpid()
-    # The next run is not disturbed.
+    # The next run works normally.
     assert eyesim.run(SQUARE, programs=lambda: OSWait(10)).report["robots"][0]["outcome"] == "finished"
 
 

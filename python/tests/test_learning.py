@@ -56,7 +56,7 @@ def test_pettingzoo_accepts_it():
 def episodes(vector, seed, steps):
     """Observations, rewards and ends of all steps."""
     rows = [vector.reset(seed=seed)[0]]
-    # Ahead, so that some touch a wall.
+    # Robots drive ahead, so that some touch a wall.
     ahead = np.abs(actions(16, steps)) * (0.4, 0.3)
     for action in ahead[:, : vector.num_envs].astype(np.float32):
         observation, reward, terminated, truncated, _ = vector.step(action)
@@ -70,7 +70,7 @@ def test_an_episode_does_not_depend_on_the_number_of_environments():
     of_many, of_few = episodes(many, 7, 200), episodes(few, 7, 200)
     assert np.array_equal(of_many[:, :5], of_few)
     assert [many.digest(index) for index in range(5)] == [few.digest(index) for index in range(5)]
-    # Episodes end both ways, and differ from each other.
+    # Some episodes end by termination and some by truncation, and episodes differ from each other.
     assert of_few[1:, :, 9].any() and of_few[1:, :, 10].any()
     assert len({row.tobytes() for row in of_many[0]}) == 16
 

@@ -1,4 +1,4 @@
-"""Runs with programs, and the command, from the installed wheel."""
+"""Runs with programs, and the command `eyesim`, from the installed wheel."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Simulations without programs: values that are stepped, copied, observed; errors with places."""
+"""Simulations without programs: values that are stepped, copied, observed; errors with locations."""
 
 import copy
 import math

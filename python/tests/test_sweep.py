@@ -1,4 +1,4 @@
-"""Suites case by case, and the engines of docs/sweeps.md: each where it is installed."""
+"""Suites case by case, and the engines of docs/sweeps.md that are installed."""
 
 import json
 import os
@@ -56,7 +56,7 @@ def block(name):
 
 @pytest.fixture
 def lab(tmp_path, monkeypatch):
-    """A folder with a suite, which is the working folder."""
+    """Creates a working folder with a suite."""
     for name, text in [("lab.scene.toml", SCENE), ("drive.py", PROGRAM), ("lab.suite.toml", SUITE)]:
         (tmp_path / name).write_text(text)
     monkeypatch.chdir(tmp_path)
@@ -65,7 +65,7 @@ def lab(tmp_path, monkeypatch):
 
 
 def run(*words):
-    """Runs a command and returns what it prints."""
+    """Runs a command and returns its output."""
     ran = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=600)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     return ran.stdout

@@ -66,7 +66,7 @@ pub(crate) struct Tables {
 // SAFETY: the tables are constant, and the context is only passed back to the host, which accepts calls from every task of
 // its robot.
 unsafe impl Send for Tables {}
-// SAFETY: as above.
+// SAFETY: as for `Send`.
 unsafe impl Sync for Tables {}
 
 /// Panic payload that unwinds a program after [`Status::STOP`].

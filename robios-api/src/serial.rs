@@ -92,7 +92,7 @@ impl Robot {
 }
 
 impl Serial {
-    /// Sends bytes with one call for each, since `OSSendRS232` takes only text.
+    /// Sends bytes with one call for each byte, since `OSSendRS232` takes only text.
     ///
     /// # Errors
     /// [`Error::Refused`] at the first byte that is not accepted.

@@ -7,7 +7,7 @@ use robios_api::fake::{End, Fake, Run};
 use robios_api::prelude::*;
 use robios_sys::{EXIT_PANICKED, Program};
 
-/// The folder that cargo builds libraries of this profile to.
+/// The folder into which cargo builds libraries of this profile.
 fn target_folder() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
     test.ancestors().nth(2).expect("tests lie in `deps`").to_owned()

@@ -1,4 +1,4 @@
-//! The robot of RoBIOS-7 on the fake host: units, errors, and what each device does.
+//! The robot of RoBIOS-7 on the fake host: units, errors, and the behaviour of each device.
 
 use robios_api::fake::Fake;
 use robios_api::robios7::prelude::*;

@@ -1,9 +1,9 @@
 """RoBIOS-7 for robot programs in Python: `from eye import *`.
 
-`eyesim run` runs a program with this module, whatever `eye.py` lies beside it; a copy beside the program is for editors.
-Functions, constants and units are those of C (millimetres, degrees, milliseconds). What C writes through pointers is
-returned: `x, y, phi = VWGetPosition()`. Images are flat `bytearray`s, three bytes a pixel in colour; wherever an image
-goes in, anything with a buffer does, such as an array of numpy, and `image.array()` is one with rows and columns.
+`eyesim run` runs a program with this module, even if another `eye.py` is beside it; a copy beside the program is for editors.
+Functions, constants and units are those of C (millimetres, degrees, milliseconds). Values that C writes through pointers
+are returned: `x, y, phi = VWGetPosition()`. Images are flat `bytearray`s, with three bytes per pixel in colour. Functions
+accept any buffer as an image, such as a numpy array; `image.array()` is a numpy array with rows and columns.
 
 Time is the robot's virtual time in `time.time`, `time.monotonic`, `time.perf_counter` and `time.sleep`; `random` and
 `os.urandom` draw from the robot's own stream.
@@ -105,13 +105,13 @@ _callbacks = {}
 
 
 class _Number(int):
-    """A whole number; as a value of ctypes it has its number in `value`, too."""
+    """An integer; like a ctypes value it also has its number in `value`."""
 
     __slots__ = ()
     value = property(int)
 
 
-# Messages of Python name the type, which students know by this name.
+# Python's messages contain the type's name, and students know the type by this name.
 _Number.__name__ = "int"
 
 
@@ -121,7 +121,7 @@ class _Values(tuple):
     def __setitem__(self, index, value):
         index = range(len(self))[index]
         value = _Number(value) if type(value) is int else value
-        # The tuple was made for this caller, so that no other code has seen it.
+        # The tuple was created for this caller, so no other code has a reference to it.
         address = id(self) + tuple.__basicsize__ + index * _ctypes.sizeof(_ctypes.c_void_p)
         _ctypes.pythonapi.Py_IncRef(_ctypes.py_object(value))
         old = tuple.__getitem__(self, index)
@@ -141,7 +141,7 @@ class _Values(tuple):
         return list(self) + other if isinstance(other, list) else tuple(self) + other
 
     def copy(self):
-        """Its items in a list."""
+        """The items as a list."""
         return list(self)
 
 
@@ -153,7 +153,7 @@ def _unpacked_into():
 
 
 class _Object(_Values):
-    """A pose of `SIMGetObject`: x, y and phi; x, y, z and phi where it is unpacked into four names."""
+    """A pose of `SIMGetObject`: x, y and phi, or x, y, z and phi if it is unpacked into four names."""
 
     def __getnewargs__(self):
         x, y, phi = tuple(self)
@@ -178,7 +178,7 @@ _recent_arrays = _collections.deque(maxlen=64)
 
 
 class _Numbers(list):
-    """A list of whole numbers, which serves as an array of ctypes, too."""
+    """A list of integers, which also serves as a ctypes array."""
 
     @property
     def _as_parameter_(self):
@@ -188,14 +188,14 @@ class _Numbers(list):
 
 
 class _Addresses(_Numbers):
-    """The addresses of `RADIOStatus`; unpacked into two names it is their number and the list, as in EyeSim VR."""
+    """The addresses of `RADIOStatus`. Unpacked into two names, it is their number and the list, as in EyeSim VR."""
 
     def __iter__(self):
         return iter((_Number(len(self)), _Numbers(self[:])) if _unpacked_into() == 2 else self[:])
 
 
 class _Part(bytearray):
-    """Some bytes of an image, equal to a list of the same numbers."""
+    """A slice of an image; it equals a list of the same numbers."""
 
     def __eq__(self, other):
         return list(self) == list(other) if isinstance(other, (list, tuple)) else bytearray.__eq__(self, other)
@@ -204,7 +204,7 @@ class _Part(bytearray):
 
 
 class Image:
-    """A flat image: one byte a pixel, or three. An array of ctypes with a buffer, whose items are 0 to 255."""
+    """A flat image with one or three bytes per pixel: a ctypes array with a buffer, whose items are 0 to 255."""
 
     width = height = result = 0
     _types_by_size = {}
@@ -219,14 +219,14 @@ class Image:
         return image
 
     def array(self):
-        """The image as an array of numpy with rows and columns, which shares its bytes."""
+        """The image as a numpy array with rows and columns, which shares the image's bytes."""
         import numpy
 
         shape = (self.height, self.width) if len(self) == self.width * self.height else (self.height, self.width, 3)
         return numpy.frombuffer(self, numpy.uint8).reshape(shape)
 
     def copy(self):
-        """A copy of its own."""
+        """An independent copy."""
         return Image._of(bytes(self), len(self), self.width, self.height)
 
     def __reduce_ex__(self, _protocol):
@@ -254,7 +254,7 @@ def _image(data, size, width, height):
     return Image._of(data, size, width, height)
 
 
-# Otherwise `pickle` and `copy` would look for them in `__main__`, which is the program.
+# Otherwise `pickle` and `copy` would search for them in `__main__`, which is the program.
 for _name in (_Number, _Values, _Object, _Numbers, _Addresses, _Part, _image):
     _name.__module__ = "eye"
 
@@ -264,8 +264,8 @@ _SIMPLE = _ctypes._SimpleCData
 
 
 def _pointee(value):
-    """What a reference or pointer of ctypes, or the `ctypes` of an array of numpy, leads to: an object or an address.
-    None for a null pointer, the value itself if it is none of them."""
+    """Target of a ctypes reference or pointer, or of a numpy array's `ctypes`: an object or an address.
+    None for a null pointer; any other value itself."""
     if isinstance(value, _REFERENCE):
         return value._obj
     if isinstance(value, _POINTER):
@@ -286,7 +286,7 @@ def _address(pointer):
 
 
 def _memory(value, size, name):
-    """The first `size` bytes of what a program gives as image or buffer; all of it, or a text up to its 0, without a size."""
+    """The first `size` bytes of a program's image or buffer. Without a size: all bytes, or a text up to its terminating 0."""
     if isinstance(value, str):
         value = value.encode("utf-8", "surrogateescape")
     value = _pointee(value)
@@ -348,7 +348,7 @@ def _fill(target, data, name):
 
 
 def _store(target, values, name):
-    """Writes numbers to an output argument: a value or pointer of ctypes, an array, a list."""
+    """Writes numbers to an output argument: a ctypes value or pointer, an array or a list."""
     target = _pointee(target)
     if target is None:
         return
@@ -438,7 +438,7 @@ class _FairLock:
         self.guard, self.waiting, self.owner = _thread.allocate_lock(), [], None
 
     def acquire(self):
-        """Acquires the channel; returns False if the thread holds it already, in a function that the simulator has called."""
+        """Acquires the channel. Returns False if the thread already holds it, in a function that the simulator has called."""
         thread = _thread.get_ident()
         if self.owner == thread:
             return False
@@ -496,12 +496,12 @@ _callback_error = None
 
 
 def _refuse():
-    """Refuses calls after a stop."""
+    """Rejects calls after a stop."""
     raise _Stop
 
 
 def _call_location():
-    """File and line of the call in the program."""
+    """File and line in the program of the call in progress."""
     frame = _sys._getframe(1)
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
@@ -509,7 +509,7 @@ def _call_location():
 
 
 def _int(value, low, high, name):
-    """A whole number within bounds; fractions are cut off, as in C."""
+    """An integer within bounds; fractions are truncated, as in C."""
     try:
         number = int(_pointee(value).value if isinstance(value, (_SIMPLE, _REFERENCE)) else value)
     except (TypeError, ValueError, OverflowError):
@@ -559,7 +559,7 @@ def _call(row, *values):
 
 
 def _has_threads():
-    """Returns True if the program has threads of its own, whose calls interleave."""
+    """Returns True if the program has several threads, whose calls interleave."""
     return _thread._count() > 0
 
 
@@ -664,7 +664,7 @@ def _request(row, values):
 
 
 def _formatted(text, values):
-    """`text % values` as in C: values that the text does not use are left out, and without any `%%` is one."""
+    """`text % values` as in C: surplus values are ignored, and without values `%%` is printed as `%`."""
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(_plain(text))
     values = tuple(_plain(value) for value in values)
     for count in range(len(values), -1, -1):
@@ -679,7 +679,7 @@ def _formatted(text, values):
 
 
 def _plain(value):
-    """The value of one of ctypes; text for bytes."""
+    """The Python value of a ctypes value; text for bytes."""
     value = value.value if isinstance(value, _SIMPLE) or hasattr(type(value), "raw") else value
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
@@ -695,7 +695,7 @@ def LCDSetPrintf(row, column, text, *values):
 
 
 def KEYReadXY(x=None, y=None):
-    """The place of a touch of the display as (x, y), None if there was none. Does not wait."""
+    """The position of a touch of the display as (x, y), None if there was none. Does not wait."""
     written = _call(_KEYReadXY, None, None)
     if written[-1] and not (_is_output(x) or _is_output(y)):
         return None
@@ -703,7 +703,7 @@ def KEYReadXY(x=None, y=None):
 
 
 def LCDInit():
-    """Of the library of 2016: the display is always there. Returns 0."""
+    """Function of the library of 2016; the display always exists. Returns 0."""
     return _Number(0)
 
 
@@ -711,7 +711,7 @@ _shown_width, _shown_height = 320, 240
 
 
 def LCDImageSize(t):
-    """Size of the images that LCDImage and the like show, a resolution such as QVGA. Returns 0, 1 for another number."""
+    """Sets the size of the images that LCDImage and similar functions show, a resolution such as QVGA. Returns 0, 1 for another number."""
     global _shown_width, _shown_height
     t = _whole(t)
     result = _call(_LCDImageSize, t)[-1]
@@ -721,7 +721,7 @@ def LCDImageSize(t):
 
 
 def LCDImageStart(x, y, xs, ys):
-    """Place and size in pixels of the images that LCDImage and the like show. Returns 0, 1 for a size below 1."""
+    """Sets position and size in pixels of the images that LCDImage and similar functions show. Returns 0, 1 for a size below 1."""
     global _shown_width, _shown_height
     result = _call(_LCDImageStart, x, y, xs, ys)[-1]
     if result == 0:
@@ -730,19 +730,19 @@ def LCDImageStart(x, y, xs, ys):
 
 
 def LCDImage(img):
-    """Shows a colour image, 3 bytes a pixel, of the size that LCDImageStart or LCDImageSize has set. Returns 0."""
+    """Shows a colour image, 3 bytes per pixel, of the size that LCDImageStart or LCDImageSize has set. Returns 0."""
     data = _memory(img, 3 * _shown_width * _shown_height, "LCDImage")
     return _call(_LCDImage, _shown_width, _shown_height, data)[-1]
 
 
 def LCDImageGray(g):
-    """Shows a grey image, 1 byte a pixel. Returns 0."""
+    """Shows a grey image, 1 byte per pixel. Returns 0."""
     data = _memory(g, _shown_width * _shown_height, "LCDImageGray")
     return _call(_LCDImageGray, _shown_width, _shown_height, data)[-1]
 
 
 def LCDImageBinary(b):
-    """Shows a binary image, 1 byte a pixel: 0 is white, everything else black. Returns 0."""
+    """Shows a binary image, 1 byte per pixel: 0 is white, everything else black. Returns 0."""
     data = _memory(b, _shown_width * _shown_height, "LCDImageBinary")
     return _call(_LCDImageBinary, _shown_width, _shown_height, data)[-1]
 
@@ -791,12 +791,12 @@ def CAMGetGray(buf=None):
 
 
 class _Plane(_array.array):
-    """A flat image of numbers, one a pixel, row 0 on top."""
+    """A flat image of numbers, one per pixel, row 0 on top."""
 
     width = height = 0
 
     def array(self):
-        """The image as an array of numpy with rows and columns, which shares its numbers."""
+        """The image as a numpy array with rows and columns, which shares the image's numbers."""
         import numpy
 
         return numpy.frombuffer(self, self.typecode).reshape(self.height, self.width)
@@ -816,27 +816,27 @@ def CAMGetDepth():
 
 
 def CAMGetLabels():
-    """What each pixel of the last image shows: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n. An array
+    """Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n. An array
     of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
     values, result = _call(_CAMGetLabels, CAMPIXELS)
     return _plane("i", values) if result == 0 else None
 
 
 def LEGGetJoint(leg, joint, degrees=None):
-    """The angle of a joint, now, in degrees; leg and joint numbers start at 1. None if there is no such leg or joint."""
+    """Current angle of a joint, in degrees; leg and joint numbers start at 1. None if there is no such leg or joint."""
     written = _call(_LEGGetJoint, leg, joint, None)
     return _out("LEGGetJoint", written, degrees) if written[-1] == 0 or _is_output(degrees) else None
 
 
 def LEGGetLink(leg, link, pose=None):
-    """Pose of a link of a leg, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
+    """Current pose of a link of a leg in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
     from 1. None if there is no such leg or link."""
     values, result = _call(_LEGGetLink, leg, link, 6)
     return _out_numbers("LEGGetLink", values, pose, result) if result == 0 or _is_output(pose) else None
 
 
 def LEGGetHeight(mm=None):
-    """Height of the body's frame above the world's floor, now, in mm. None if there are no legs."""
+    """Current height of the body's frame above the world's floor, in mm. None if there are no legs."""
     written = _call(_LEGGetHeight, None)
     return _out("LEGGetHeight", written, mm) if written[-1] == 0 or _is_output(mm) else None
 
@@ -906,17 +906,17 @@ def IPSobel(gray, out=None):
 
 
 def IPCol2Gray(img, out=None):
-    """Grey of a colour image."""
+    """Converts a colour image to a grey image."""
     return _grey_out("IPCol2Gray", _call(_IPCol2Gray, *_colour_in("IPCol2Gray", img), IP_PIXELS)[0], out)
 
 
 def IPGray2Col(gray, out=None):
-    """A colour image that looks like a grey one."""
+    """Converts a grey image to a colour image."""
     return _colour_out("IPGray2Col", _call(_IPGray2Col, *_grey_in("IPGray2Col", gray), IP_SIZE)[0], out)
 
 
 def IPRGB2Col(r, g, b, out=None):
-    """A colour image of its three channels."""
+    """Composes a colour image from its three channels."""
     return _colour_out("IPRGB2Col", _call(_IPRGB2Col, *_grey_in("IPRGB2Col", r, g, b), IP_SIZE)[0], out)
 
 
@@ -929,12 +929,12 @@ def IPCol2HSI(img, h=None, s=None, i=None):
 
 
 def IPOverlay(c1, c2, out=None):
-    """The second colour image over the first, where it is not black."""
+    """Lays the second colour image over the first where the second is not black."""
     return _colour_out("IPOverlay", _call(_IPOverlay, *_colour_in("IPOverlay", c1, c2), IP_SIZE)[0], out)
 
 
 def IPOverlayGray(g1, g2, col, out=None):
-    """The second grey image over the first, in a colour, where it is not 0."""
+    """Lays the second grey image over the first, in a colour, where the second is not 0."""
     data = _call(_IPOverlayGray, *_grey_in("IPOverlayGray", g1, g2), col, IP_SIZE)[0]
     return _colour_out("IPOverlayGray", data, out)
 
@@ -944,7 +944,7 @@ def _text(data):
 
 
 def OSExecute(command, out=None):
-    """Runs a command of the machine that simulates, where that is allowed; its output."""
+    """Runs a command on the machine that runs the simulator, if allowed; returns its output."""
     return _out_text("OSExecute", *_outputs(_call(_OSExecute, command, 4096), out))
 
 
@@ -992,8 +992,8 @@ def AURecord(*arguments):
 
 
 def LIDARGet(distance=None):
-    """Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 for
-    nothing. A list, empty if there is no scanner."""
+    """Distances in millimetres from left to right, the middle one (of n, that of index n/2) straight ahead; 9999 if
+    nothing is in range. A list, empty if there is no scanner."""
     return _out_numbers("LIDARGet", *_outputs(_call(_LIDARGet, 65536), distance))
 
 
@@ -1014,14 +1014,14 @@ def ANALOGTransfer(buffer=None):
 
 
 def RADIOSend(id, buf, size=None):
-    """Sends a text of up to 1023 bytes to a robot, 0 for everybody; with a size so much of it. Returns 0, 1 on failure."""
+    """Sends a text of up to 1023 bytes to a robot, 0 for all robots; `size` limits the text. Returns 0, 1 on failure."""
     data = _memory(buf, None if size is None else _whole(size), "RADIOSend")
     return _call(_RADIOSend, id, data)[-1]
 
 
 def RADIOReceive(*arguments):
     """RADIOReceive(size=1024) waits for a message: address of its sender, and text; 0 and no text if the radio is off. Bytes
-    that are no UTF-8, as damaged ones may be, show as the replacement character. RADIOReceive(id, buf, size) is as in C."""
+    that are not UTF-8, for example after bit errors, become the replacement character. RADIOReceive(id, buf, size) is as in C."""
     id, buf, size = (None, None) + (arguments or (1024,)) if len(arguments) < 2 else arguments
     sender, data, result = _call(_RADIOReceive, None, max(0, _whole(size)))
     if not (_is_output(id) or _is_output(buf)):
@@ -1033,29 +1033,29 @@ def RADIOReceive(*arguments):
 
 
 def RADIOCheck(id=None):
-    """Number of messages that wait; 0 if the radio is off."""
+    """Number of waiting messages; 0 if the radio is off."""
     return _call(_RADIOCheck)[0]
 
 
 def RADIOStatus(IDlist=None):
-    """Addresses of the robots whose radios are on, the own one included; none if that is off."""
+    """Addresses of all robots whose radio is on, including this robot; none if its radio is off."""
     values, count = _call(_RADIOStatus, 256)
     return _out_numbers("RADIOStatus", _Addresses(values), IDlist, count)
 
 
 def SIMGetRobot(id=0, x=None, y=None, z=None, phi=None):
-    """Ground-truth pose of a robot, 0 means the calling robot: mm, mm, mm, degrees."""
+    """Ground-truth pose of a robot (0 is the calling robot): mm, mm, mm, degrees."""
     return _out("SIMGetRobot", _call(_SIMGetRobot, id, None, None, None, None), x, y, z, phi)
 
 
 def SIMSetRobot(*arguments):
-    """SIMSetRobot(id, x, y, z, phi) puts a robot, 0 for the own one, at a pose; (x, y, z, phi) and (x, y, phi) this one."""
+    """SIMSetRobot(id, x, y, z, phi) places a robot (0 is the calling robot); (x, y, z, phi) and (x, y, phi) place the calling robot."""
     id, x, y, z, phi = _pose("SIMSetRobot", arguments, {5: (0, 1, 2, 3, 4), 4: (None, 0, 1, 2, 3), 3: (None, 0, 1, None, 2)})
     _call(_SIMSetRobot, id, x, y, z, phi)
 
 
 def SIMGetObject(id, *targets):
-    """True pose of an object: x, y, phi, or x, y, z, phi for four names; objects are numbered on from the robots."""
+    """True pose of an object: x, y, phi, or x, y, z, phi for four names; the numbers of objects follow those of robots."""
     written = _call(_SIMGetObject, id, None, None, None, None)
     if not any(_is_output(target) for target in targets):
         return _Object(written)
@@ -1063,12 +1063,12 @@ def SIMGetObject(id, *targets):
 
 
 def SIMSetObject(*arguments):
-    """SIMSetObject(id, x, y, z, phi), or (id, x, y, phi), puts an object at a pose."""
+    """SIMSetObject(id, x, y, z, phi), or (id, x, y, phi), places an object."""
     _call(_SIMSetObject, *_pose("SIMSetObject", arguments, {5: (0, 1, 2, 3, 4), 4: (0, 1, 2, None, 3)}))
 
 
 def _pose(name, arguments, forms):
-    """Number and pose of arguments, of which there are as many as one of the forms has."""
+    """Number and pose in the arguments, whose count must match one of the forms."""
     if len(arguments) not in forms:
         raise TypeError(f"{name}: expected {' or '.join(map(str, sorted(forms)))} arguments, got {len(arguments)}")
     return [0 if index is None else arguments[index] for index in forms[len(arguments)]]
@@ -1081,17 +1081,17 @@ def SIMGetPose(x=None, y=None, phi=None):
 
 
 def SIMSetPose(x, y, phi):
-    """Puts this robot at a pose."""
+    """Places this robot."""
     return SIMSetRobot(0, x, y, 0, phi)
 
 
 def SERVODone(servo):
-    """Whether a servo stands where it was set: 1, as it turns at once; 0 if there is no such servo."""
+    """Returns 1 if a servo has reached its position, which it does at once; 0 if there is no such servo."""
     return _Number(SERVOGet(servo) >= 0)
 
 
 def SERVOWait(servo):
-    """Waits until a servo stands where it was set. Returns 0, 1 if there is no such servo."""
+    """Waits until a servo has reached its position. Returns 0, 1 if there is no such servo."""
     return _Number(SERVOGet(servo) < 0)
 
 
@@ -1104,7 +1104,7 @@ VWDriveRemain, VWDriveDone, VWDriveWait, VWDriveReady = VWRemain, VWDone, VWWait
 
 
 class _Foreign:
-    """A function with the interface of ctypes. Setting `argtypes` or `restype` has no effect."""
+    """A function with the interface of a ctypes function. Setting `argtypes` or `restype` has no effect."""
 
     argtypes = restype = errcheck = None
 
@@ -1135,7 +1135,7 @@ class _Library:
 
 
 def _cdll(loader):
-    """The class `CDLL`, which returns this library for the name of EyeSim VR's; other libraries load normally."""
+    """The class `CDLL`, which returns this library for the name of EyeSim VR's library; other libraries load normally."""
 
     class CDLL(loader):
         """Loads a library."""
@@ -1147,13 +1147,13 @@ def _cdll(loader):
     return CDLL
 
 
-# ---- layers of the window: eyesim.h of C ----
+# ---- layers of the window, as in C's eyesim.h ----
 
 EYESIM_WORLD, EYESIM_ODOMETRY, EYESIM_OCCUPIED, EYESIM_UNKNOWN = 0, 1, 100, 255
 
 
 def eyesim_show_grid(name, frame, x_m, y_m, cell_m, columns, rows, cells):
-    """Shows a grid as the layer of this name in the window: one byte a cell, row by row from the smallest y, 0 (free) to 100
+    """Shows a grid as the layer of this name in the window: one byte per cell, row by row from the smallest y, 0 (free) to 100
     (occupied) or EYESIM_UNKNOWN; or a list of rows. Its lower left corner is at x_m, y_m. Returns 0, 1 on failure."""
     if isinstance(cells, (list, tuple)) and cells and hasattr(cells[0], "__len__"):
         cells = [cell for row in cells for cell in row]
@@ -1168,7 +1168,7 @@ def eyesim_show_points(name, frame, points):
 
 
 def eyesim_show_line(name, frame, points):
-    """As eyesim_show_points, for a line through the points."""
+    """Like eyesim_show_points, for a line through the points."""
     return _call(_support_show_line, name, frame, *_coordinates(points, "eyesim_show_line"))[-1]
 
 
@@ -1180,7 +1180,7 @@ def _real(value, name):
 
 
 def _coordinates(points, name):
-    """Dimensions, number and coordinates of points."""
+    """Number of dimensions, number of points, and their coordinates."""
     points = [tuple(point) for point in points]
     dimensions = len(points[0]) if points else 2
     if any(len(point) != dimensions for point in points):
@@ -1286,7 +1286,7 @@ _consoles = _Console(_STDOUT), _Console(_STDERR)
 
 
 class _Input(_io.RawIOBase):
-    """Standard input of the robot: lines that the simulator has."""
+    """Standard input of the robot: its lines come from the simulator."""
 
     def readable(self):
         return True
@@ -1422,7 +1422,7 @@ _imports = 0  # in progress
 
 
 def _watch_imports(channel):
-    """Reports imports to the simulator: a module that computes for long while it is imported is no endless loop."""
+    """Reports imports to the simulator: a module that computes for a long time during its import is not an endless loop."""
     import importlib._bootstrap as bootstrap
 
     find_and_load = bootstrap._find_and_load
@@ -1659,7 +1659,7 @@ def _run(path):
     try:
         threading = _sys.modules.get("threading")
         if threading is not None:
-            threading._shutdown()  # waits for the threads that are no daemons
+            threading._shutdown()  # waits for the threads that are not daemons
         atexit._run_exitfuncs()
     except BaseException:
         pass  # the host has gone

@@ -31,7 +31,7 @@ namespace {
 
 // Exception that unwinds the program; its type is private, so that no handler names it.
 struct StopException {
-    _Unwind_Exception exception; // first: the unwinder hands it back
+    _Unwind_Exception exception; // first member: the unwinder passes it back
     struct exit_point *exit_point;
 };
 
@@ -76,7 +76,7 @@ _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
     return _URC_NO_REASON;
 }
 
-// Nothing is unwound yet, since no handler was found: the stack is that of the `throw`.
+// No handler was found, so nothing is unwound yet: the stack is that of the `throw`.
 [[noreturn]] void uncaught()
 {
     char text[512];
@@ -142,11 +142,11 @@ void *allocated(std::size_t len, const void *caller)
 
 } // namespace
 
-// As those of the C++ library, and know the line of the program. Those of the program itself come before.
+// Like the operators of the C++ library, but with the program's call site. The program's own operators take precedence.
 __attribute__((weak, noinline)) void *operator new(std::size_t len) { return allocated(len, __builtin_return_address(0)); }
 __attribute__((weak, noinline)) void *operator new[](std::size_t len) { return allocated(len, __builtin_return_address(0)); }
 
-// What the C++ library calls where it finds a wrong index or an empty container (_GLIBCXX_ASSERTIONS).
+// Called by the C++ library when it finds a wrong index or an empty container (_GLIBCXX_ASSERTIONS).
 extern "C" [[noreturn]] void library_refuses(const char *, int, const char *, const char *condition)
     NAMED(_ZSt21__glibcxx_assert_failPKciS0_S0_);
 void library_refuses(const char *, int, const char *, const char *condition)

@@ -1,6 +1,6 @@
-/* getopt and getopt_long with variables of this library's own; part of shim.c.
+/* getopt and getopt_long with this library's own variables; part of shim.c.
  *
- * Options and other arguments may be mixed: the others are moved behind the options, unless the option string begins
+ * Options and other arguments may be mixed. The other arguments are moved behind the options, unless the option string begins
  * with '+'. Source of the behaviour: POSIX, getopt; the GNU extensions that programs rely on. */
 #include <getopt.h>
 
@@ -10,7 +10,7 @@ WEAK int opterr = 1;
 WEAK int optopt = '?';
 
 static const char *next_letter; /* within a group such as -abc */
-static int skipped;             /* arguments that are none of an option and stood before the current one */
+static int skipped;             /* number of non-option arguments before the current one */
 
 /* Moves the next option in front of the non-option arguments; returns 0 if there is no option. */
 static int to_next_option(int argc, char **argv, int may_move)

@@ -1,6 +1,6 @@
 /* Interposed functions of the C library, which confine the program to its robot and to virtual time; part of shim.c.
  *
- * Each has its name in the C library for the linker and another name in this source, so that it cannot clash with the
+ * Each has its C library name for the linker and another name in this source, so that it cannot clash with the
  * declarations of the system's headers. docs/c-library.md lists them. */
 #include <err.h>
 #include <errno.h>
@@ -26,7 +26,7 @@
     _Noreturn void libc_##name arguments REPLACES(name);                                                                \
     _Noreturn void libc_##name arguments
 
-/* A part of interposed functions: its return address is theirs. */
+/* A part of interposed functions. It is inlined, so its return address is that of the interposed function. */
 #define PART static inline __attribute__((always_inline))
 
 /* The numbers of robios_sys::support. */
@@ -89,7 +89,7 @@ static ssize_t cookie_write(void *console, const char *bytes, size_t len)
 }
 
 #ifdef EYESIM_CPP
-/* The C++ library's streams read by their own calls: the call site in the program is further out. Reported once. */
+/* Reports that a stream of the C++ library has read at the end of input, once: the program's call site is then further out. */
 static void report_reader(void)
 {
     const void *stack[24];
@@ -136,7 +136,7 @@ static FILE *opened(struct eyesim_console *console, const char *mode)
     if (stream != NULL) {
         if (console != NULL)
             setvbuf(stream, NULL, _IONBF, 0);
-        /* A thread that is parked for ever after a fault must not hold a lock that the exit of the process waits for. */
+        /* A thread that is parked forever after a crash must not hold a lock for which the exit of the process waits. */
         __fsetlocking(stream, FSETLOCKING_BYCALLER);
     }
     return stream;
@@ -202,7 +202,7 @@ static struct eyesim_console *console_of(int descriptor)
         return written(result_);                                                                                        \
     } while (0)
 
-/* Functions with a stream argument are interposed only so that a program which only prints can be stopped. */
+/* Functions with a stream argument are interposed only so that a program that does nothing but print can be stopped. */
 LIBC(int, fputc, (int c, FILE *stream))
 {
     return written(fputc_unlocked(c, stream));
@@ -276,7 +276,7 @@ LIBC(int, fflush, (FILE *stream))
 {
     if (stream != NULL)
         return fflush_unlocked(stream);
-    /* Does not flush the streams of other robots and of the host. */
+    /* Flushes no streams of other robots or of the host. */
     fflush_unlocked(stdout);
     return fflush_unlocked(stderr);
 }
@@ -422,7 +422,7 @@ LIBC(ssize_t, getdelim, (char **line, size_t *room, int end, FILE *stream))
 {
     return read_until(end, line, room, stream);
 }
-/* The other name of it, which the C library's headers make of getline. */
+/* The name by which the C library's headers replace getline. */
 LIBC(ssize_t, __getdelim, (char **line, size_t *room, int end, FILE *stream))
 {
     return read_until(end, line, room, stream);
@@ -461,9 +461,9 @@ LIBC(int, __isoc23_vscanf, (const char *format, va_list arguments))
     return scan(stdin, format, arguments);
 }
 
-extern FILE *_IO_fopen(const char *name, const char *mode); /* the C library's other name for it */
+extern FILE *_IO_fopen(const char *name, const char *mode); /* another name of the C library for this function */
 
-/* Tells the host which file there is not: the program may go on with the null pointer. */
+/* Reports a missing file to the host, since the program may continue with the null pointer. */
 LIBC(FILE *, fopen, (const char *name, const char *mode))
 {
     FILE *stream = _IO_fopen(name, mode);
@@ -501,7 +501,7 @@ static ssize_t read_input(void *bytes, size_t len)
     return count;
 }
 
-/* Other names of the C library for functions that are interposed here. */
+/* Other C library names of functions that are interposed here. */
 extern ssize_t __write(int descriptor, const void *bytes, size_t len);
 extern ssize_t __read(int descriptor, void *bytes, size_t len);
 extern int __close(int descriptor);
@@ -558,7 +558,7 @@ LIBC(ssize_t, __read_chk, (int descriptor, void *bytes, size_t len, size_t room)
 }
 LIBC(int, close, (int descriptor))
 {
-    /* The first three are the host's. */
+    /* The first three descriptors belong to the host. */
     return descriptor >= 0 && descriptor <= 2 ? 0 : __close(descriptor);
 }
 LIBC(int, isatty, (int descriptor))
@@ -799,7 +799,7 @@ extern void __libc_free(void *memory);
 
 /* Last bytes of a guarded block; those between the program's bytes and these are GUARD_BYTE. */
 struct guard {
-    size_t len; /* as requested by the program */
+    size_t len; /* length that the program requested */
     uintptr_t canary;
 };
 #define GUARD_BYTE 0xa5
@@ -901,7 +901,7 @@ static int is_overrun(void *memory, size_t *len)
     end = end_of_block(memory);
     memcpy(&guard, end, sizeof guard);
     if (guard.canary != CANARY_OF_BLOCK(memory) || guard.len > (size_t)(end - (char *)memory))
-        return 0; /* of a function of the C library, or overrun beyond the guard */
+        return 0; /* allocated by a function of the C library, or overrun beyond the guard */
     memset((char *)end, 0, sizeof guard);
     for (byte = (char *)memory + guard.len; byte < end; byte++)
         if (*byte != (char)GUARD_BYTE) {
@@ -936,7 +936,7 @@ static void *allocated(size_t len, const void *caller)
 }
 LIBC(void *, malloc, (size_t len)) { return allocated(len, __builtin_return_address(0)); }
 #ifdef EYESIM_CPP
-/* For `new`, which the program calls at `caller`. */
+/* Allocates for `new`, which the program calls at `caller`. */
 HIDDEN void *eyesim_allocated(size_t len, const void *caller) { return allocated(len, caller); }
 #endif
 LIBC(void *, calloc, (size_t count, size_t len))
@@ -1084,7 +1084,7 @@ LIBC(size_t, __fread_chk, (void *to, size_t room, size_t size, size_t count, FIL
     return libc_fread(to, size, count, stream);
 }
 
-/* ---- jumps: one out of a timer's function would leave the host in the middle of the call that the timer interrupts ---- */
+/* ---- jumps: a jump out of a timer's function would leave the host in the middle of the call that the timer interrupts ---- */
 
 /* Stack pointer to which a jump leads; 0 if unknown. The C library hides it with a secret of the thread. */
 static uintptr_t target_of(const struct __jmp_buf_tag *buffer)
@@ -1128,7 +1128,7 @@ LIBC(void, srand, (unsigned value)) { seed(RAND, value); }
 LIBC(long, random, (void)) { return (long)(random_bits(RANDOM) >> 33); }
 LIBC(void, srandom, (unsigned value)) { seed(RANDOM, value); }
 
-/* The 48-bit generator of POSIX; only its unseeded start is the robot's own. */
+/* The 48-bit generator of POSIX; only its initial state without a seed comes from the robot's own stream. */
 static struct {
     int is_seeded;
     uint64_t state, multiplier;
@@ -1390,7 +1390,7 @@ LIBC(int, pause, (void))
     errno = EINTR;
     return -1;
 }
-/* A wait for time alone is a sleep. */
+/* A wait without file descriptors is a sleep. */
 LIBC(int, select, (int count, fd_set *read, fd_set *write, fd_set *except, struct timeval *span))
 {
     (void)count;

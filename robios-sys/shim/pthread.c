@@ -1,11 +1,11 @@
 /* Threads of POSIX and of C11, which are tasks of the robot; part of shim.c.
  *
  * One task runs at a time, and tasks switch only inside calls to the host: code between two calls is never
- * interrupted, and the state of mutexes and the like needs no protection. Every function costs one call (`begin`), acts
+ * interrupted, and the state of mutexes and similar objects needs no protection. Every function costs one call (`begin`), acts
  * after it, and wakes or waits without further cost. A released resource goes to the task that has waited longest.
  *
- * The shim has its own layout of pthread_mutex_t and the others: all zero is the initial state, and kinds are
- * where the system's initialisers put them. A pthread_t is the number of a task. Attributes are the system's. */
+ * The shim has its own layout of pthread_mutex_t and the other types: all zero is the initial state, and kinds are
+ * where the system's initialisers put them. A pthread_t is the number of a task. Attributes have the system's layout. */
 #include <limits.h>
 #include <pthread.h>
 #include <sched.h>
@@ -23,9 +23,9 @@ enum { MUTEX = 1, CONDITION, SEMAPHORE, RWLOCK, BARRIER, ONCE, STREAM, TASK_END,
 struct task {
     struct task *next;
     int32_t number;
-    const void *thread; /* which runs it */
+    const void *thread; /* the thread that runs the task */
     struct exit_point *base;
-    const void *site;   /* where it called the function that it is in */
+    const void *site;   /* call site of the function that the task is in */
     void *(*start)(void *);
     int (*start_c11)(void *);
     void (*start_plain)(void); /* of OSSpawn */
@@ -94,7 +94,7 @@ static struct task *begin(const void *site)
 }
 #define BEGIN() begin(__builtin_return_address(0))
 
-/* Waits in the queue of `key` while others run: 1 when woken, 0 at the deadline, -1 when the task is cancelled. */
+/* Waits in the queue of `key` while others run. Returns 1 when woken, 0 at the deadline, -1 when the task is cancelled. */
 static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadline)
 {
     int32_t status, is_woken = 0;
@@ -106,7 +106,7 @@ static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadl
     return is_woken;
 }
 
-/* As wait_for, for functions that are no cancellation points: the task ends here if it was killed while waiting. */
+/* Like wait_for, for functions that are not cancellation points: the task ends here if it was killed while waiting. */
 static int wait_unless_killed(const void *key, int32_t kind, int32_t holder, int64_t deadline)
 {
     const int is_woken = wait_for(key, kind, holder, deadline);
@@ -194,7 +194,7 @@ static void forget(struct task *task)
 static void note_end(struct task *task)
 {
     task->has_ended = 1;
-    if (task != &main_task) /* its stack stays: timer functions may run there until the others have ended */
+    if (task != &main_task) /* keep its stack: timer functions may run on it until the other tasks have ended */
         task->thread = NULL;
     wake(task);
     if (task->is_detached)
@@ -249,7 +249,7 @@ static __attribute__((noinline)) void *start_outermost(struct task *task)
     return task->start != NULL ? task->start(task->argument) : (void *)(intptr_t)task->start_c11(task->argument);
 }
 
-/* Runs a task on a stack of its own. */
+/* Runs a task on its own stack. */
 static int32_t run_task(void *data)
 {
     struct task *const task = data;
@@ -842,7 +842,7 @@ LIBC(sem_t *, sem_open, (const char *name, int flags, ...))
     return SEM_FAILED;
 }
 
-/* ---- read-write locks: readers go first, as the system's do, unless the lock is of a kind that prefers writers ---- */
+/* ---- read-write locks: readers have precedence, as in the system's locks, unless the lock's kind prefers writers ---- */
 
 static const void *writers_of(const pthread_rwlock_t *lock) { return (const char *)lock + 1; }
 

@@ -3,7 +3,7 @@
 
 static int32_t task_of(const struct tcb *task)
 {
-    /* A zeroed struct of the program is no task, and must not stand for the current one, which has number 0. */
+    /* A zeroed struct of the program is not a task, and must not stand for the current task, whose number is 0. */
     return task == NULL ? 0 : task->id == 0 ? -1 : task->id;
 }
 
@@ -104,7 +104,7 @@ WEAK int OSExit(int code)
     mark_as_killed(this_task());
     ROBIOS(OSExit, code, &result);
     if (is_multitasking && this_task() != &main_task)
-        unwind_task(this_task()); /* it is ending already, and this a handler of its own */
+        unwind_task(this_task()); /* the task is ending already, and this call is from its own handler */
     end_program(code);
 }
 
@@ -162,7 +162,7 @@ WEAK int RADIOCheck()
 WEAK int RADIOSend(BYTE id, int byteCount, BYTE *buffer)
 {
     int32_t result = 0;
-    /* One byte more than allowed is enough to be refused. */
+    /* One byte more than allowed is enough for the host to reject the message. */
     size_t len = byteCount < 0 ? 0 : byteCount > MAXMSGLEN ? MAXMSGLEN + 1 : (size_t)byteCount;
     ROBIOS(RADIOSend, id, bytes_of(byteCount < 0 ? NULL : buffer, len), &result);
     return result;

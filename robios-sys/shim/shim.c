@@ -7,9 +7,9 @@
  *   getopt.c   getopt, whose state all copies of a library would share
  *   pthread.c  threads, which are tasks of the robot
  *   layer.c    layers of the window
- * Programs with parts in C++ (EYESIM_CPP) have cpp.cpp beside it.
+ * Programs with parts in C++ (EYESIM_CPP) also link cpp.cpp.
  *
- * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
+ * All functions are weak: a program's own function of the same name takes precedence. None of them calls a function that libc.c
  * interposes. Calls made outside of the program's run (constructors, other threads) do nothing and return 0. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -81,7 +81,7 @@ static struct {
     int stop_pending; /* the host has stopped the program while unwinding was not possible */
     struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
     const void *reader; /* call site of the function that reads standard input */
-    int reader_reported; /* see report_reader */
+    int reader_reported; /* true once report_reader has reported it */
     struct eyesim_call_site call_site;
 } self = {.consoles = {{.stream = 1}, {.stream = 2}}};
 
@@ -102,7 +102,7 @@ static inline const void *this_thread(void)
     return thread;
 }
 
-/* True if the program may call the host: it is running, and the caller is on the thread of its current task, not on one of OpenMP. */
+/* True if the program may call the host: it is running, and the caller is on the thread of its current task, not on a thread of OpenMP. */
 static inline int may_call(void)
 {
     return self.host != NULL && self.exit_point != NULL && self.exit_point->thread == this_thread();
@@ -173,7 +173,7 @@ static struct exit_point *exit_point_of_flow(void);
 static void yield_if_due(void);
 static _Noreturn void cancel_self(void);
 
-/* True if a call reaches the host: not outside of the run, and not from destructors while the program ends.
+/* True if a call reaches the host. Calls outside of the run, and calls from destructors while the program ends, do not.
  * A destructor that waits in a loop is abandoned after MAX_IGNORED_CALLS calls. */
 static int reaches_host(void)
 {
@@ -184,7 +184,7 @@ static int reaches_host(void)
     return 0;
 }
 
-/* Runs after each call: tasks switch only inside calls, so `exit_point` is that of the task that continues. */
+/* Runs after each call. Tasks switch only inside calls, so `exit_point` belongs to the task that continues. */
 static void returned(int32_t status, struct exit_point *exit_point)
 {
     self.exit_point = exit_point;
@@ -226,7 +226,7 @@ static struct eyesim_room room_of(void *data, size_t len)
     return room;
 }
 
-/* A WAV file in memory, with the length from its header, or else a text. */
+/* The bytes of a WAV file in memory, with the length from its header, or else of a text. */
 static struct eyesim_bytes sample_of(const void *sample)
 {
     const unsigned char *size = (const unsigned char *)sample + 4;
@@ -360,7 +360,7 @@ extern int main(int argc, char **argv, char **environment);
 extern const char __ehdr_start HIDDEN;
 extern ElfW(Dyn) _DYNAMIC[] HIDDEN;
 
-/* Copy of the arguments, which `main` may change; kept as long as the library. */
+/* Copy of the arguments, which `main` may change. It lives as long as the library. */
 static __attribute__((noinline)) char **copied_arguments(int argc, const char *const *argv)
 {
     int i;

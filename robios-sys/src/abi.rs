@@ -75,7 +75,7 @@ pub struct Host {
 
 // SAFETY: the pointers lead to tables that are constant for the whole run.
 unsafe impl Sync for Host {}
-// SAFETY: as above.
+// SAFETY: as for `Sync`.
 unsafe impl Send for Host {}
 
 impl Host {
@@ -118,7 +118,7 @@ pub mod flag {
 pub type Run =
     unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
 
-/// Location of the program's call in progress, written by its shim before each call and read by the host to report where a
+/// Location of the program's call in progress. The shim writes it before each call, and the host reads it to report where a
 /// program waits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -135,7 +135,7 @@ pub struct CallSite {
 
 // SAFETY: the pointers lead to constants of the program's image, which is never unloaded.
 unsafe impl Send for CallSite {}
-// SAFETY: as above.
+// SAFETY: as for `Send`.
 unsafe impl Sync for CallSite {}
 
 impl CallSite {
@@ -144,7 +144,7 @@ impl CallSite {
 }
 
 /// Unfinished line that a program has printed to a stream and that its shim has not passed on yet. The host reads it if the
-/// program breaks.
+/// program crashes.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Console {
@@ -174,7 +174,7 @@ pub struct Program {
     pub language: u32,
     /// Size of the [`SupportTable`] known to the program, in bytes. A host with a smaller table must refuse the program.
     pub support_size: u32,
-    /// Size of its generation's table known to the program, in bytes. A host with a smaller table must refuse the program.
+    /// Size of the RoBIOS table known to the program, in bytes. A host with a smaller table must refuse the program.
     pub robios_size: u32,
     /// Runs the program.
     pub run: Run,
@@ -188,7 +188,7 @@ pub struct Program {
 
 // SAFETY: the pointers lead to variables of the image in which this constant lies; they are read only as their docs say.
 unsafe impl Sync for Program {}
-// SAFETY: as above.
+// SAFETY: as for `Sync`.
 unsafe impl Send for Program {}
 
 impl Program {

@@ -5,8 +5,8 @@
 //! trait with one method per function, the thunks between them, and the description from which C headers and shim are
 //! generated. A program's library exports one symbol, [`PROGRAM_SYMBOL`], a [`Program`]; its `run` gets a [`Host`].
 //!
-//! Pointers of a program are dereferenced only in thunks, before the host's method runs or after it has returned: a
-//! wild pointer thus faults while the host holds no lock.
+//! Pointers of a program are dereferenced only in thunks, before the host's method runs or after it has returned: so a
+//! wild pointer crashes while the host holds no lock.
 
 mod abi;
 pub mod c;

@@ -638,7 +638,7 @@ pub struct Callback {
 
 // SAFETY: a host only stores the pointers; callers uphold the contract of `call`.
 unsafe impl Send for Callback {}
-// SAFETY: as above.
+// SAFETY: as for `Send`.
 unsafe impl Sync for Callback {}
 
 impl Callback {

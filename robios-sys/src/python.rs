@@ -39,7 +39,7 @@ pub fn eye() -> String {
 pub struct Form {
     /// The call, such as `PSDGet(psd)`.
     pub signature: String,
-    /// Difference from C, such as the result; `None` if there is none.
+    /// Difference from the form in C, such as another result; `None` if there is none.
     pub note: Option<String>,
 }
 

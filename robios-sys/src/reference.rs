@@ -57,7 +57,7 @@ pub struct Description {
     pub result: Option<String>,
 }
 
-/// The parts of the doc of `function`.
+/// Splits the doc of `function` into its parts.
 pub fn describe(function: &Function) -> Description {
     let names = parameter_names(&prototype(function));
     let doc = function.doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");

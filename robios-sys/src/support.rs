@@ -13,11 +13,11 @@ pub mod stream {
 
 /// The first argument of [`Support::random`] and [`Support::seed`]: each purpose has its own stream of numbers.
 pub mod purpose {
-    /// `rand` and `srand` of C.
+    /// C's `rand` and `srand`.
     pub const RAND: u32 = 1;
     /// `random` and `srandom` of C.
     pub const RANDOM: u32 = 2;
-    /// The start of the `drand48` family of C: its first state.
+    /// The initial state of C's `drand48` family.
     pub const DRAND48: u32 = 3;
     /// Replacement of the system's entropy: `getrandom`, `getentropy`, `arc4random`.
     pub const ENTROPY: u32 = 4;
@@ -33,7 +33,7 @@ pub mod failure {
     pub const ASSERTION: i32 = 2;
     /// A Rust program panicked.
     pub const PANIC: i32 = 3;
-    /// The stack protector found the stack smashed.
+    /// The stack protector detected a smashed stack.
     pub const STACK: i32 = 4;
     /// `main` of a Rust program returned an error.
     pub const ERROR: i32 = 5;
@@ -57,7 +57,7 @@ pub mod wait {
     pub const RWLOCK: i32 = 4;
     /// A barrier.
     pub const BARRIER: i32 = 5;
-    /// The end of an initialisation that another task carries out.
+    /// The end of an initialisation by another task.
     pub const ONCE: i32 = 6;
     /// A stream of the C library that another task has locked.
     pub const STREAM: i32 = 7;
@@ -67,7 +67,7 @@ pub mod wait {
     pub const ENDS: i32 = 9;
 }
 
-/// Frames, cells and limits of [`Support::show_grid`], [`Support::show_points`] and [`Support::show_line`].
+/// Frames, cell values and limits of [`Support::show_grid`], [`Support::show_points`] and [`Support::show_line`].
 pub mod layer {
     /// The frame of the world.
     pub const WORLD: i32 = 0;
@@ -166,11 +166,11 @@ crate::table::function_table! {
         /// Reports a likely mistake in the program as a hint, once for each call site. No time passes. Returns 0.
         fn hint(text: Text) -> i32 = 0;
 
-        /// As `open_failed`, for a file whose failure the program does not see, such as that of a `std::ifstream`: it is reported
+        /// Like `open_failed`, for a failure that the program does not see, such as that of a `std::ifstream`: it is reported
         /// immediately. `stack` is as for `failed`. No time passes. Returns 0.
         fn open_failed_at(name: Text, error: i32, stack: Bytes) -> i32 = 0;
 
-        /// As `console`, for the text since the last end of a line of a program that breaks. No time passes. Returns 0.
+        /// Like `console`, for the text after the last line end of a program that crashes. No time passes. Returns 0.
         fn unfinished(stream: i32, bytes: Bytes) -> i32 = 0;
 
         /// Reports where the program has just read at the end of its standard input, if the call site is not in its own code, as with
@@ -184,11 +184,11 @@ crate::table::function_table! {
         /// argument is beyond the limits of `layer` or no number.
         fn show_grid(name: Text, frame: i32, x_m: f64, y_m: f64, cell_m: f64, columns: i32, rows: i32, cells: Bytes) -> i32 = 1;
 
-        /// As `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and y, or x, y and z,
+        /// Like `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and y, or x, y and z,
         /// of each point. Without points the layer is empty.
         fn show_points(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
 
-        /// As `show_points`, for a line through the points, such as a path, or a profile of the ground.
+        /// Like `show_points`, for a line through the points, such as a path or a profile of the ground.
         fn show_line(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
     }
 }

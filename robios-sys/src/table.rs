@@ -19,7 +19,7 @@ pub trait CallContext: Sized {
     /// null.
     ///
     /// # Safety
-    /// `context` is what the host has passed to the program's `run`, and the robot outlives the call.
+    /// `context` is the pointer that the host has passed to the program's `run`, and the robot outlives the call.
     unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self> {
         // SAFETY: the host passed a pointer to `Self` (or null) to `run`, valid until `run` has returned.
         unsafe { context.cast::<Self>().as_ref() }
@@ -99,7 +99,7 @@ pub struct Function {
     pub parameters: &'static [Parameter],
     /// Rust type of the result, as written in the list.
     pub returns: &'static str,
-    /// The prototype in C where it does not follow from the parameters; its shim is then written by hand.
+    /// The prototype in C if it does not follow from the parameters; then the function's shim is written by hand.
     pub prototype: Option<&'static str>,
 }
 
@@ -368,7 +368,7 @@ macro_rules! function_table {
             use $crate::param::Param;
             $($(
                 /// # Safety
-                /// `robot` is what the host has passed to the program's `run`; every other pointer is null or valid
+                /// `robot` is the pointer that the host has passed to the program's `run`; every other pointer is null or valid
                 /// as its kind requires.
                 pub unsafe extern "C" fn $name<H: $Trait>(
                     robot: *mut ::std::ffi::c_void,
@@ -402,7 +402,7 @@ macro_rules! function_table {
             use $crate::wire::{HostConnection, Reader};
             $($(
                 /// # Safety
-                /// `context` is what was passed to the program's `run`; every other pointer is null or valid as its
+                /// `context` is the pointer passed to the program's `run`; every other pointer is null or valid as its
                 /// kind requires.
                 pub unsafe extern "C" fn $name<L: HostConnection>(
                     context: *mut ::std::ffi::c_void,

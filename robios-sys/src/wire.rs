@@ -31,7 +31,7 @@ pub trait HostConnection {
     /// The connection of the calling thread; `None` answers the call with [`Status::STOP`].
     ///
     /// # Safety
-    /// `context` is what was passed to the program's `run`, which has not returned.
+    /// `context` is the pointer passed to the program's `run`, which has not returned.
     unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>;
 
     /// Sends a call with its arguments and returns the bytes of the reply. The host may call back into the program meanwhile.

@@ -1,4 +1,4 @@
-//! The headers, in every dialect.
+//! The headers compile in every dialect of C and C++.
 
 mod common;
 
@@ -28,7 +28,7 @@ fn each_header_compiles_alone_and_twice_in_every_dialect() {
     if !has_compiler() {
         return;
     }
-    // The headers of RoBIOS-7 have always needed types of C99; their variadic macros need C++11 with `-pedantic`.
+    // The RoBIOS-7 headers have always required types of C99. With `-pedantic` their variadic macros require C++11.
     let dialects6 = ["gnu89", "c99", "gnu17", "c++98", "c++17"];
     let dialects7 = ["gnu99", "c99", "gnu17", "c++11", "c++17", "c++20"];
     for (headers, dialects) in [(c::HEADERS6, &dialects6[..]), (c::HEADERS7, &dialects7)] {
@@ -53,7 +53,7 @@ fn c_and_cpp_files_of_one_program_link() {
         return;
     }
     let folder = folder();
-    // The header of truth values is for sources that include no header with their declarations.
+    // The header of truth values serves sources that include no other header with these declarations.
     let headers = c::HEADERS6.iter().filter(|header| header.name != c::TRUTH_HEADER);
     let include_all: String = headers.map(|header| format!("#include \"{}\"\n", header.name)).collect();
     let write = |name: &str, text: &str| {

@@ -99,7 +99,7 @@ fn main_has_every_form_of_old_and_new_c() {
         ("int main(argc, argv) int argc; char **argv; { return argc + argv[1][0]; }", quiet, 2 + i32::from(b'a')),
         ("int main(int n, char *a[]) { a[1][0]++; return a[n] == 0 ? a[1][0] : 1; }", &[], i32::from(b'b')),
         ("int main(int n, char **a, char **e) { return n != 2 || a == 0 || e[0] != 0; }", &[], 0),
-        // No `return`: C99 says 0.
+        // Without `return`, C99 defines the result 0.
         ("int main(void) { }", &[], 0),
     ] {
         let (exit_code, _) = build(&[text], flags, &[]).run(Robot::default(), &["a"]);
@@ -359,7 +359,7 @@ int main(int n, char **a)
     let next = (0x5_DEEC_E66D_u64.wrapping_mul(argument) + 0xB) & 0xFFFF_FFFF_FFFF;
     assert!(printed(1, &[]).ends_with(&format!(" {}", next >> 17)));
 
-    // Two copies at the same time give the same numbers as each alone.
+    // Two copies that run at the same time give the same numbers as each copy by itself.
     let alone = [printed(1, &["3"]), printed(2, &["3"])];
     let together = std::thread::scope(|scope| {
         let threads = [1, 2].map(|robot| scope.spawn(move || printed(robot, &["3"])));

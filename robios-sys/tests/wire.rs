@@ -1,4 +1,4 @@
-//! Calls as bytes: a program in another process gets the same results as in the host's process.
+//! Calls encoded as bytes: a program in another process gets the same results as in the host's process.
 
 use std::cell::RefCell;
 use std::ffi::c_void;

@@ -1,4 +1,4 @@
-//! Helpers for the black-box tests: the real binary, a fresh folder, output and files of a run.
+//! Helpers for the black-box tests: they run the real binary in a fresh folder and read its output and files.
 
 pub mod radio;
 pub mod stranger;
@@ -15,7 +15,7 @@ pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
-/// Writes these headers of the C side into a folder.
+/// Writes these headers of the C API into a folder.
 ///
 /// # Panics
 /// If they cannot be written.
@@ -27,30 +27,30 @@ pub fn write_headers(folder: &Path, headers: &[robios_sys::c::SourceFile]) {
     }
 }
 
-/// The binary `eyesim` of the profile under test, built if need be.
+/// Path of the binary `eyesim` of the profile under test; builds it if necessary.
 ///
 /// # Panics
-/// If it cannot be built.
+/// If the binary cannot be built.
 pub fn eyesim_path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
         let mut build = Command::new(env!("CARGO"));
-        // With the whole workspace and a test, so that dependencies have the features that `cargo test --workspace` has
-        // built them with.
+        // Builds the whole workspace and a test, so that dependencies have the same features as in the build by
+        // `cargo test --workspace`.
         build.args(["build", "--quiet", "--workspace", "--bin", "eyesim", "--test", "docs"]).current_dir(root());
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }
         let status = build.status().expect("cargo runs");
         assert!(status.success(), "eyesim does not build");
-        // target/PROFILE/deps/TEST
+        // The test's path is target/PROFILE/deps/TEST.
         let test = std::env::current_exe().expect("a test knows its own path");
         let profile = test.ancestors().nth(2).expect("tests lie in target/PROFILE/deps");
         profile.join(format!("eyesim{}", std::env::consts::EXE_SUFFIX))
     })
 }
 
-/// A fresh folder in which `eyesim` is run; removed at the end of the test.
+/// A fresh folder in which tests run `eyesim`; it is removed at the end of the test.
 pub struct Scratch {
     folder: TempDir,
 }
@@ -58,19 +58,19 @@ pub struct Scratch {
 /// Result of a run of `eyesim`.
 #[derive(Debug)]
 pub struct Ran {
-    /// Its exit code; `None` when a signal ended it.
+    /// Exit code; `None` if a signal ended the run.
     pub code: Option<i32>,
-    /// Its standard output.
+    /// Standard output.
     pub stdout: String,
-    /// Its standard error.
+    /// Standard error.
     pub stderr: String,
 }
 
 impl Scratch {
-    /// An empty folder.
+    /// Creates an empty folder.
     ///
     /// # Panics
-    /// If none can be created.
+    /// If the folder cannot be created.
     #[allow(clippy::new_without_default, reason = "makes a folder on the disk")]
     pub fn new() -> Self {
         Self { folder: TempDir::new().expect("a folder for a test") }
@@ -81,10 +81,10 @@ impl Scratch {
         self.folder.path()
     }
 
-    /// Writes a file, with the folders above it.
+    /// Writes a file and creates the folders above it.
     ///
     /// # Panics
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.path().join(name);
         std::fs::create_dir_all(path.parent().expect("a file has a folder")).expect("a folder for a file");
@@ -92,10 +92,10 @@ impl Scratch {
         path
     }
 
-    /// Reads a file that a run wrote.
+    /// Reads a file that a run has written.
     ///
     /// # Panics
-    /// If it does not exist.
+    /// If the file does not exist.
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path().join(name)).unwrap_or_else(|error| panic!("`{name}`: {error}"))
     }
@@ -110,12 +110,12 @@ impl Scratch {
     /// Runs `eyesim` with `args` in this folder to its end.
     ///
     /// # Panics
-    /// If it cannot be started.
+    /// If `eyesim` cannot be started.
     pub fn eyesim(&self, args: &[&str]) -> Ran {
         Ran::from(self.command(args).output().expect("eyesim starts"))
     }
 
-    /// Runs a sim file with a report and returns it, after checking the exit code.
+    /// Runs a sim file with a report, checks the exit code and returns the report.
     ///
     /// # Panics
     /// If the exit code differs or the report cannot be read.
@@ -149,13 +149,14 @@ impl From<Output> for Ran {
 /// A field of a robot in a report, found by a path such as `pose.x_m`.
 ///
 /// # Panics
-/// If it is not a number.
+/// If the field is not a number.
 pub fn number(robot: &Value, path: &str) -> f64 {
     let value = path.split('.').fold(robot, |value, key| &value[key]);
     value.as_f64().unwrap_or_else(|| panic!("`{path}` in {robot:#}"))
 }
 
-/// A small scene: a robi with one PSD sensor ahead, an empty room of 4 m, and a sim with robots that all run `programs`.
+/// Writes a small scene: a robi with one PSD sensor ahead, an empty room of 4 m, and a sim file with one robot for each
+/// of `programs`.
 pub fn write_scene(scratch: &Scratch, programs: &[&str]) -> PathBuf {
     scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
     scratch.write(
@@ -171,7 +172,8 @@ pub fn write_scene(scratch: &Scratch, programs: &[&str]) -> PathBuf {
     scratch.write("scene.sim", &sim)
 }
 
-/// `robots` robots of type `%sim%/robis/ring.robi`, one a square metre in a room of walls alone, that all run `program`.
+/// Writes a scene of `robots` robots of type `%sim%/robis/ring.robi`, one per square metre, in a room without
+/// obstacles. All run `program`.
 pub fn write_crowd(scratch: &Scratch, robots: usize, program: &str) -> PathBuf {
     let columns = robots.isqrt().max(1);
     let (width, height) = (1000 * columns, 1000 * robots.div_ceil(columns));
@@ -185,14 +187,14 @@ pub fn write_crowd(scratch: &Scratch, robots: usize, program: &str) -> PathBuf {
     let mut sim = String::from("world crowd.wld\n");
     for index in 0..robots {
         let (x, y) = (1000 * (index % columns) + 500, 1000 * (index / columns) + 500);
-        // Headings all around: 137.5 degrees apart is the golden angle.
+        // Successive headings differ by the golden angle of 137.5 degrees, so all directions occur.
         let phi = (index as f64 * 137.5) % 360.0;
         sim += &format!("robi %sim%/robis/ring.robi {program} {x} {y} {phi}\n");
     }
     scratch.write("crowd.sim", &sim)
 }
 
-/// Returns true, with a printed reason, where the kernel does not reach the full sandbox.
+/// Returns true and prints the reason if the kernel does not support the full sandbox.
 ///
 /// # Panics
 /// If eyesim cannot be run.

@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use crate::Scratch;
 
-/// A room of 4 m by 4 m with a wall in its middle half, and robots of these programs at these places in mm, in `scene.scene.toml`.
+/// Writes `scene.scene.toml`: a room of 4 m by 4 m with a wall of 2 m in its middle, and robots with these programs
+/// at these positions in mm.
 pub fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write(
@@ -21,14 +22,14 @@ pub fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
     scratch
 }
 
-/// As [`scene`], with the robots in a row, 300 mm apart.
+/// Writes the same scene as [`scene`] with the robots in a row, 300 mm apart.
 pub fn row(programs: &[&str], tables: &str) -> Scratch {
     let robots: Vec<_> =
         programs.iter().enumerate().map(|(index, program)| (*program, 300 + 300 * index as i32, 500)).collect();
     scene(&robots, tables)
 }
 
-/// The digest of a run and its trace.
+/// Runs the scene and returns the digest and the trace.
 pub fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>) {
     let report = scratch.report("scene.scene.toml", &[args, &["--trace", "t.jsonl"]].concat(), code);
     (report["digest"].clone(), scratch.trace("t.jsonl"))
@@ -38,15 +39,15 @@ pub fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>
 ///
 /// # Panics
 /// If the trace is malformed.
-pub fn said(trace: &[Value], id: u64) -> Vec<&str> {
+pub fn printed(trace: &[Value], id: u64) -> Vec<&str> {
     let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == id;
     trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text")).collect()
 }
 
-/// A time in microseconds.
+/// Converts a time in seconds to microseconds.
 ///
 /// # Panics
-/// If it is none.
+/// If the value is not a time.
 pub fn micros(seconds: &Value) -> i64 {
     (seconds.as_f64().unwrap_or_else(|| panic!("{seconds} is a time")) * 1e6).round() as i64
 }
@@ -54,7 +55,7 @@ pub fn micros(seconds: &Value) -> i64 {
 /// A field of an event.
 ///
 /// # Panics
-/// If it is no integer.
+/// If the field is not an integer.
 pub fn integer(event: &Value, key: &str) -> i64 {
     event[key].as_i64().unwrap_or_else(|| panic!("`{key}` in {event}"))
 }
@@ -62,19 +63,20 @@ pub fn integer(event: &Value, key: &str) -> i64 {
 /// A sent message and its events in the trace; times in microseconds.
 #[derive(Debug)]
 pub struct Sent {
-    /// Time of sending.
+    /// Time at which the program sent the message.
     pub at: i64,
-    /// Address of the receiver; none for a broadcast.
+    /// Address of the receiver; `None` for a broadcast.
     pub to: Option<i64>,
-    /// Start of its transmission, if the sender knows it.
+    /// Start of the transmission, if the sender knows it.
     pub begins: Option<i64>,
-    /// Its bytes.
+    /// Bytes of the message.
     pub data: Value,
-    /// By receiver: time at which its fate was known, time of arrival, and cause of loss if it was lost.
+    /// For each receiver: time at which the message's fate was known, time of arrival, and cause of loss if the message
+    /// was lost.
     pub fates: BTreeMap<i64, (i64, i64, Option<String>)>,
 }
 
-/// Robot and number of a message.
+/// Sender and number of a message.
 pub type Name = (i64, i64);
 
 /// All messages of a trace.
@@ -111,7 +113,7 @@ pub fn causes(trace: &[Value]) -> Vec<String> {
     messages.values().flat_map(|sent| sent.fates.values()).filter_map(|(_, _, loss)| loss.clone()).collect()
 }
 
-/// The reasons that the report gives, in the order of the robots.
+/// The reasons of the robots in the report, in the order of the robots.
 ///
 /// # Panics
 /// If there is no report.
@@ -121,7 +123,7 @@ pub fn reasons(scratch: &Scratch) -> Vec<String> {
     robots.iter().map(|robot| robot["reason"].as_str().unwrap_or_default().to_owned()).collect()
 }
 
-/// Lines that a C program needs to check answers: `IS(call, answer)`.
+/// First lines of a C program that checks return values: `IS(call, expected)`.
 pub const IS: &str = r#"
 #include "eyebot.h"
 #include <stdio.h>
@@ -143,7 +145,7 @@ int main(void)
 }
 "#;
 
-/// Sends a message of 35 bytes as soon as it is on, and stays.
+/// Sends a message of 35 bytes as soon as its radio is on, and keeps running.
 pub const SENDER: &str = r#"
 #include "eyebot.h"
 int main(void)
@@ -157,7 +159,7 @@ int main(void)
 }
 "#;
 
-/// Prints the first message that comes.
+/// Prints the first message that it receives.
 pub const RECEIVER: &str = r#"
 #include "eyebot.h"
 #include <stdio.h>

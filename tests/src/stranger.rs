@@ -1,4 +1,5 @@
-//! Help for tests with programs of strangers: users as whom they run, and what they must leave as it was.
+//! Helpers for tests with untrusted programs: the users that run them, and the files and processes that must remain
+//! unchanged.
 
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// An ordinary user without files.
 pub const NOBODY: u32 = 65534;
 
-/// Users as whom a test runs: this one and, if it is root, an ordinary one.
+/// Users that run a test: the current user and, if that is root, also an ordinary user.
 ///
 /// # Panics
 /// If there is no `/proc`.
@@ -15,10 +16,10 @@ pub fn users() -> Vec<Option<u32>> {
     if own == 0 { vec![None, Some(NOBODY)] } else { vec![None] }
 }
 
-/// Gives `path` with everything below it to `user`.
+/// Makes `user` the owner of `path` and of everything below it.
 ///
 /// # Panics
-/// If this user may not.
+/// If the current user has no permission to do this.
 pub fn chown_all(path: &Path, user: u32) {
     std::os::unix::fs::lchown(path, Some(user), Some(user)).expect("root gives files away");
     if path.is_dir() && !path.is_symlink() {
@@ -26,7 +27,7 @@ pub fn chown_all(path: &Path, user: u32) {
     }
 }
 
-/// Every file below `path` with what a program could change of it, a line each.
+/// Every file below `path` with all its properties that a program could change, one line per file.
 ///
 /// # Panics
 /// If a file cannot be read.
@@ -49,7 +50,7 @@ fn list(path: &Path, lines: &mut Vec<String>) {
     }
 }
 
-/// Processes whose binary or working folder lies in `folder`.
+/// Processes whose binary or working folder is in `folder`.
 ///
 /// # Panics
 /// If there is no `/proc`.

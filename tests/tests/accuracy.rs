@@ -1,4 +1,4 @@
-//! `eyesim accuracy`: speed against error as tables, JSON, plots and in a page.
+//! `eyesim accuracy`: tables, JSON, plots and a page of time against error.
 
 use tests::{Scratch, root};
 

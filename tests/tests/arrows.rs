@@ -1,14 +1,14 @@
-//! Arrows between the rooms of a crate: every `use` of a room is in the table of ARCHITECTURE.md, and the table says nothing else.
+//! Dependencies between the rooms of a crate: the table in ARCHITECTURE.md lists exactly the `use`s in the code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use tests::root;
 
-/// Rooms by the room that uses them, within one crate.
+/// For each room of a crate: the rooms that it uses.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// The table of ARCHITECTURE.md: rows of crate, room, rooms that it uses.
+/// Dependencies in the table of ARCHITECTURE.md, whose rows are crate, room, and the rooms that it uses.
 fn documented() -> BTreeMap<String, Arrows> {
     let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the page");
     let (_, table) = page.split_once("| crate | room | uses |\n|---|---|---|\n").expect("the table of arrows");
@@ -22,7 +22,7 @@ fn documented() -> BTreeMap<String, Arrows> {
     crates
 }
 
-/// The arrows in the sources of a crate.
+/// Dependencies in the sources of a crate.
 fn found(name: &str) -> Arrows {
     let source = root().join(name).join("src");
     let mut arrows = Arrows::new();
@@ -36,7 +36,7 @@ fn found(name: &str) -> Arrows {
         let uses = uses_of(&std::fs::read_to_string(path).expect("a source"));
         arrows.entry(room.clone()).or_default().extend(uses.into_iter().filter(|other| *other != room));
     });
-    // Names of functions and types that the crate's root re-exports are no rooms.
+    // Functions and types that the crate's root re-exports are not rooms.
     let rooms: BTreeSet<String> = arrows.keys().cloned().collect();
     arrows.values_mut().for_each(|uses| uses.retain(|name| rooms.contains(name)));
     arrows.retain(|_, uses| !uses.is_empty());
@@ -54,7 +54,7 @@ fn walk(folder: &Path, visit: &mut impl FnMut(&Path)) {
     }
 }
 
-/// The rooms that a source names after `crate::`, outside of comments and of its tests.
+/// The rooms that a source file names after `crate::`, except in comments and tests.
 fn uses_of(text: &str) -> Vec<String> {
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
@@ -103,7 +103,7 @@ fn rooms_close_no_circle() {
         let mut rooms = found(name);
         loop {
             let left: BTreeSet<String> = rooms.keys().cloned().collect();
-            // A room that uses none of the remaining rooms is below them.
+            // A room that uses none of the remaining rooms is below all of them.
             rooms.retain(|_, uses| !uses.is_disjoint(&left));
             if rooms.len() == left.len() {
                 break;

@@ -1,4 +1,4 @@
-//! Assignments of a course with ten submissions each: the verdicts of their suites are right for every seed.
+//! Assignments of a course with ten submissions each: their suites give the right verdicts for every seed.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,12 +7,12 @@ use std::path::Path;
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// Seeds of the runs; `EYESIM_SEEDS=1..20` has twenty.
+/// Seeds of the runs; the environment variable `EYESIM_SEEDS=1..20` sets twenty.
 fn seeds() -> String {
     std::env::var("EYESIM_SEEDS").unwrap_or_else(|_| "1..3".to_owned())
 }
 
-/// Runs the suite of an assignment with each submission and compares all rows with the first line of its program.
+/// Runs the suite of an assignment with each submission. The first line of a submission contains its expected rows.
 fn judge(assignment: &str) {
     let folder = root().join("tests/fixtures/assignments").join(assignment);
     let scratch = Scratch::new();

@@ -1,9 +1,10 @@
-//! The commands of the pages for beginners work, print what the pages show, and draw their pictures.
+//! The commands on the pages for beginners work, print the output on the page, and write its pictures.
 //!
-//! A page is a script. `NAME`: and a block write the file NAME, or change it if the block is a `diff`. A block of `sh` runs, each line
-//! by itself, in a folder that has the folders of the checkout; `<!-- exit 1 -->` above it says that its last line fails. A block of `text`
-//! behind it is what it prints: these lines in this order, `...` for any others. Pictures that the page shows and its commands write are
-//! the committed ones; `INSTA_UPDATE=always` renews them.
+//! A page is a script. A line that ends in `NAME`: before a block makes the test write the block to the file NAME, or
+//! change this file if the block is a `diff`. The test runs each line of a `sh` block by itself, in a folder that
+//! contains the folders of the checkout. `<!-- exit 1 -->` above the block means that its last line fails. A `text`
+//! block after it is its output: these lines in this order, with `...` for any other lines. The committed pictures of a
+//! page must equal those that its commands write; `INSTA_UPDATE=always` updates them.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -16,7 +17,7 @@ use tests::{Scratch, eyesim_path, root};
 struct Block<'a> {
     language: &'a str,
     text: String,
-    /// The last line of text above it that is not empty.
+    /// The last non-empty line of text above the block.
     above: &'a str,
     line: usize,
 }
@@ -37,7 +38,7 @@ fn blocks(page: &str) -> Vec<Block<'_>> {
             (None, None) if line.trim().is_empty() => {}
             (None, None) => above = line,
         }
-        // A block is no text above the next one.
+        // A block does not count as the text above the next block.
         if line == "```" {
             above = "";
         }
@@ -50,10 +51,10 @@ fn named(above: &str) -> Option<&str> {
     above.strip_suffix(':')?.rsplit('`').nth(1).filter(|name| name.contains('.') && !name.contains(' '))
 }
 
-/// A run of a page.
+/// State of a run of a page.
 struct Run {
     scratch: Scratch,
-    /// The folder of the next command.
+    /// The working folder of the next command.
     folder: PathBuf,
     printed: String,
 }
@@ -69,7 +70,7 @@ impl Run {
         Self { scratch, folder, printed: String::new() }
     }
 
-    /// Carries out a block; `Err` says what is wrong with it.
+    /// Executes a block; `Err` describes what is wrong.
     fn step(&mut self, block: &Block<'_>) -> Result<(), String> {
         match (block.language, named(block.above)) {
             ("sh", _) => self.commands(block),
@@ -99,7 +100,7 @@ impl Run {
     fn commands(&mut self, block: &Block<'_>) -> Result<(), String> {
         let expected = block.above.strip_prefix("<!-- exit ").map_or("0", |rest| rest.trim_end_matches(" -->"));
         self.printed.clear();
-        // Lines that end in a backslash go on.
+        // A line that ends in a backslash continues in the next line.
         let text = block.text.replace("\\\n", "");
         let lines: Vec<String> = text.lines().filter_map(command).collect();
         for (index, line) in lines.iter().enumerate() {
@@ -130,7 +131,7 @@ impl Run {
         shell
     }
 
-    /// Opens a window, without a browser, until it says its address.
+    /// Starts `eyesim view` without a browser and waits until it prints its address.
     fn view(&mut self, line: &str) -> Result<(), String> {
         if !has_page() {
             println!("skipped: `{line}` needs node and npm");
@@ -164,7 +165,7 @@ impl Run {
         Ok(())
     }
 
-    /// Compares the pictures that the page shows with those of the same names that its commands have written.
+    /// Compares the pictures of the page with the files of the same names that its commands have written.
     fn pictures(&self, page: &Path, text: &str) -> Result<(), String> {
         for target in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target) {
             let committed = page.parent().expect("a folder").join(target);
@@ -194,10 +195,10 @@ impl Run {
     }
 }
 
-/// Command that the test runs for a line of a page; none if it has run already, or does so elsewhere.
+/// The command that the test runs for a line of a page; `None` if the command has run already or has tests elsewhere.
 fn command(line: &str) -> Option<String> {
     if let Some((_, words)) = line.split_once(" -- ").filter(|(cargo, _)| cargo.starts_with("cargo run --release")) {
-        // The papers have tests of their own.
+        // The papers have their own tests.
         return (!line.contains("-p papers")).then(|| format!("eyesim {words}"));
     }
     let done = ["cargo build", "cargo test", "export PATH="];
@@ -208,7 +209,7 @@ fn has_page() -> bool {
     ["node", "npm"].iter().all(|name| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success()))
 }
 
-/// Runs all of a page.
+/// Runs a whole page.
 fn check(name: &str) {
     let path = root().join(name);
     let text = fs::read_to_string(&path).expect("a page");

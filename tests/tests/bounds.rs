@@ -1,4 +1,4 @@
-//! Limits on the resources of a program: they are reported, and the run continues or ends in time.
+//! Resource limits of programs: an exceeded limit is reported, and the run continues or ends in time.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -101,7 +101,7 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
     }
 }
 
-/// Runs a program beside one that drives, on threads: outcomes of both, and messages.
+/// Runs a program beside a good one, on threads; returns both outcomes and the messages.
 fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
     let scratch = Scratch::new();
     scratch.write("bad.c", program);
@@ -153,8 +153,9 @@ fn a_programs_floats_are_not_the_hosts() {
 const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
                       #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
 
-/// Runs a program beside a good one on this kind of flow: exit code, its messages, and the outcome of the good one.
-fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
+/// Runs a program beside a good one, with this executor; returns the exit code, the messages, and the outcome of the
+/// good program.
+fn run_beside_good(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
     let good = "int main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.1, 0.5); VWDriveWait(vw); return 0; }\n";
@@ -168,7 +169,8 @@ fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     (ran.code, format!("{reason}\n{}{}", ran.stdout, ran.stderr), report["robots"][0]["outcome"].clone())
 }
 
-/// Programs whose ends used to be reported wrongly, late or never: `main` after a wait of 0.2 s, then words for either kind of flow.
+/// Programs that end in ways that are hard to report: the program, and a text that its message must contain with every
+/// executor.
 const ENDS: &[(&str, &str)] = &[
     (
         "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h);\n*(volatile int *)0 = 1; return 0; }",
@@ -196,11 +198,11 @@ const ENDS: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn ends_behind_the_back_of_eyesim_are_told_on_every_kind_of_flow() {
+fn ends_that_are_hard_to_detect_are_reported_by_every_executor() {
     for (program, words) in ENDS {
         let is_ifunc = program.contains("ifunc");
         for exec in ["auto", "process", "thread"] {
-            let (code, said, good) = told(program, exec);
+            let (code, said, good) = run_beside_good(program, exec);
             assert_eq!(code, Some(1), "{exec} {program}: {said}");
             assert!(said.contains(words), "{exec} {program}: {said}");
             assert!(exec != "process" || is_ifunc || good == "finished", "{exec} {program}: {said}");
@@ -215,7 +217,8 @@ fn what_would_end_or_replace_eyesim_on_a_thread_is_told() {
         ("{ char *a[] = {\"true\", 0}; execve(\"/bin/true\", a, 0); }", "execve"),
         ("__asm__ volatile(\"syscall\" : : \"a\"(231), \"D\"(7)); raise(0);", "exit_group"),
     ] {
-        let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
+        let (code, said, _) =
+            run_beside_good(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
         assert_eq!(code, Some(1), "{program}: {said}");
         assert!(said.contains(words) && said.contains("bad.c:12"), "{program}: {said}");
     }
@@ -244,7 +247,8 @@ fn a_record_that_is_not_whole_is_no_success() {
         "{ int n = open(\"/dev/null\", O_RDWR); for (int i = 3; i < 64; i++) if (i != n) dup2(n, i); }",
     ] {
         for exec in ["auto", "thread"] {
-            let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {harm} OSWait(50); return 0; }}"), exec);
+            let (code, said, _) =
+                run_beside_good(&format!("int main(void) {{ OSWait(20); {harm} OSWait(50); return 0; }}"), exec);
             let is_apart = exec == "auto" && harm.contains("dup2");
             assert!(if is_apart { code == Some(0) } else { code == Some(2) }, "{exec} {harm} {code:?}: {said}");
             assert!(is_apart || said.contains("it is not complete"), "{exec} {harm}: {said}");
@@ -260,7 +264,7 @@ fn processes_of_programs_do_not_outlive_the_run() {
             "int main(void) {{ OSWait(20); if (syscall(SYS_fork) == 0) {{ setsid(); execl(\"/bin/sleep\", \"sleep\", \"9{tag}\", (char *)0); }}\n\
              usleep(1000); OSWait(50); return 0; }}"
         );
-        let (_, said, _) = told(&sleeper, exec);
+        let (_, said, _) = run_beside_good(&sleeper, exec);
         let list =
             Command::new("sh").args(["-c", &format!("grep -l 9{tag} /proc/[0-9]*/cmdline 2>/dev/null")]).output();
         let remaining = String::from_utf8_lossy(&list.expect("a shell").stdout).into_owned();
@@ -270,10 +274,11 @@ fn processes_of_programs_do_not_outlive_the_run() {
     }
 }
 
-/// Two seconds on an idle machine; tests share theirs.
+/// Time limit for the end of an interrupted run. An idle machine needs two seconds; the tests run beside others.
 const INTERRUPT_LIMIT: Duration = Duration::from_secs(30);
 
-/// Starts `command`, sends `signal` half a second after it `begins`, and returns the exit code and the time that the end took.
+/// Starts `command`, sends `signal` half a second after `begins` returns true, and returns the exit code and the time
+/// until the end.
 fn interrupted(command: &mut Command, signal: &str, begins: impl Fn() -> bool) -> (Option<i32>, Duration) {
     let mut host = command.stdout(Stdio::null()).spawn().expect("eyesim starts");
     let start = Instant::now();
@@ -367,7 +372,7 @@ fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
     }
 }
 
-/// Returns true if a process has `words` in its command line.
+/// Returns true if any process has `words` in its command line.
 fn runs(words: &str) -> bool {
     let processes = std::fs::read_dir("/proc").expect("processes").flatten();
     let own = std::process::id().to_string();
@@ -407,7 +412,8 @@ fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
             ];
             let begins = || scratch.path().join("t.jsonl").exists();
             let (code, elapsed) = interrupted(&mut scratch.command(&args), signal, begins);
-            // A handler of faults is taken back at once on a thread, and the fault ends the run before the interrupt.
+            // On a thread the simulator replaces the program's SIGSEGV handler at once, so the crash may end the run
+            // before the interrupt.
             let is_told_before = exec == "thread" && program.contains("SIGSEGV") && code == Some(1);
             assert!(code == Some(130) || is_told_before, "{exec} {program}: {code:?}");
             assert!(elapsed < INTERRUPT_LIMIT, "{exec} {program}: {elapsed:?}");

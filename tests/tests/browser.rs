@@ -1,4 +1,5 @@
-//! The page in a real browser: `sim-view/page/tests`, run by Node.js with Debian's Chromium and the binary under test.
+//! The window's page in a real browser: Node.js runs `sim-view/page/tests` with Debian's Chromium and the binary under
+//! test.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use sim_view::page::Page;
 use tests::{eyesim_path, root};
 
-/// One browser at a time: without a graphics card each takes all cores.
+/// Allows one browser at a time: without a graphics card each browser uses all cores.
 static BROWSER: Mutex<()> = Mutex::new(());
 
 #[test]
@@ -40,7 +41,7 @@ fn recordings() {
     run("replay");
 }
 
-/// Runs `NAME.test.mjs`, or prints why it cannot.
+/// Runs `NAME.test.mjs`, or prints the reason why it cannot be run.
 fn run(name: &str) {
     let _one_at_a_time = BROWSER.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(why) = missing() {
@@ -65,7 +66,7 @@ fn chromium() -> String {
     std::env::var("CHROMIUM").unwrap_or_else(|_| "/usr/bin/chromium".to_owned())
 }
 
-/// Missing prerequisite of the tests, if any.
+/// The missing prerequisite of these tests; `None` if nothing is missing.
 fn missing() -> Option<String> {
     if Command::new("node").arg("--version").output().is_err() {
         return Some("there is no Node.js".to_owned());

@@ -1,8 +1,8 @@
-//! Scenes of EyeSim VR without any other file: built-in robots and objects in the box that is the default world.
+//! Scenes of EyeSim VR without other files: built-in robots and objects in the default world, a box.
 
 use tests::{Scratch, number};
 
-/// Asks the PSDs under the numbers of both generations, turns the camera's servo, and drives 0.3 m.
+/// Reads the PSDs by their numbers in both generations, turns the camera's servo, and drives 0.3 m.
 const PROGRAM: &str = r#"
 #include "eyebot.h"
 
@@ -30,7 +30,8 @@ fn built_in_robots_drive_in_the_box_of_eyesim_vr() {
     scratch
         .write("scene.sim", "settings VIS trace\nS4 500 1500 0 drive.c\nlabbot 500 500 0 drive.c\ncan 1500 1000 0\n");
     let report = scratch.report("scene.sim", &[], 0);
-    // Sensors 60 mm ahead of and behind the centre of S4; 30 and 40 mm of LabBot; walls at 0 and 2000 mm.
+    // The sensors of S4 are 60 mm ahead of and behind its centre, those of LabBot 30 and 40 mm. The walls are at 0 and
+    // 2000 mm.
     for (robot, seen) in [(0, "1440 440"), (1, "1470 460")] {
         let robot = &report["robots"][robot];
         assert_eq!(robot["exit_code"], 0, "{robot:#}");

@@ -1,12 +1,12 @@
-//! Cameras: images in programs of both generations, the same on every number of threads and every executor; image files;
-//! refused input and its messages.
+//! Cameras: images in programs of both generations, which are equal for all numbers of threads and all executors; image
+//! files; rejected input and its messages.
 
 use std::path::Path;
 
 use serde_json::Value;
 use tests::{Ran, Scratch};
 
-/// A room of 4 m with a box, in a scene `a.sim` with these robots.
+/// Writes a scene `a.sim` with these robots: a room of 4 m with a box.
 fn scratch(robots: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
@@ -25,20 +25,20 @@ fn said(trace: &[Value]) -> Vec<String> {
     trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text").to_owned()).collect()
 }
 
-/// Runs `a.sim`: lines printed by robot 1, and the digest.
+/// Runs `a.sim` and returns the lines that robot 1 prints, and the digest.
 fn printed(scratch: &Scratch, args: &[&str]) -> (Vec<String>, String) {
     let report = scratch.report("a.sim", &[args, &["--trace", "t.jsonl"]].concat(), 0);
     (said(&scratch.trace("t.jsonl")), report["digest"].as_str().expect("a digest").to_owned())
 }
 
-/// Standard error of a run whose exit code is `code`.
+/// Standard error of a run that must end with the exit code `code`.
 fn refused(scratch: &Scratch, args: &[&str], code: i32) -> String {
     let ran: Ran = scratch.eyesim(args);
     assert_eq!(ran.code, Some(code), "{ran:#?}");
     ran.stderr
 }
 
-/// Width, height and bits of a pixel of a PNG, and whether it has a palette, by its head.
+/// Width, height, bit depth and colour type in the header of a PNG.
 fn head(scratch: &Scratch, name: &str) -> (u32, u32, u8, u8) {
     let bytes = std::fs::read(scratch.path().join(name)).unwrap_or_else(|error| panic!("`{name}`: {error}"));
     let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
@@ -54,7 +54,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Every function of RoBIOS-7: a number for each wrong answer.
+/// Program that calls every camera function of RoBIOS-7 and prints each wrong result.
 const EVERY_FUNCTION_7: &str = r#"#include <math.h>
 #include "eyebot.h"
 static int failures;
@@ -115,7 +115,7 @@ int main(void)
 }
 "#;
 
-/// Every function of RoBIOS 6.
+/// Program that calls every camera function of RoBIOS 6.
 const EVERY_FUNCTION_6: &str = r#"#include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -227,7 +227,7 @@ int main(void)
 
 const ROBOTS: &str = "S4 1000 2000 0 one.c\nS4 3000 3000 180 two.c\n";
 
-/// Drives about and takes images.
+/// Program that drives about and takes images.
 const WANDERER: &str = r#"#include "eyebot.h"
 static BYTE image[3 * 80 * 60];
 static float depths[80 * 60];
@@ -290,7 +290,7 @@ fn images_are_the_same_however_a_run_is_run() {
     assert_eq!(without["digest"].as_str(), Some(digest.as_str()), "without a trace");
     assert_ne!(printed(&scratch, &["--noise", "none"]).1, digest, "the digest covers the pixels");
 
-    // Images with their content, sorted by robot, number and time.
+    // Names of the image files, sorted by robot, number and time.
     let names = names(&scratch.path().join("images"));
     assert_eq!(names.len(), 2 * 4 * 4, "{names:?}");
     assert!(names[0].starts_with("r1-000001-00000.") && names[0].ends_with("-depth.png"), "{names:?}");
@@ -304,7 +304,7 @@ fn images_are_the_same_however_a_run_is_run() {
         let read = |folder: &str| std::fs::read(scratch.path().join(folder).join(name)).expect("an image");
         assert!(read("images") == read("again"), "{name}");
     }
-    // The frames of a trace are those in the files.
+    // The frames in the trace equal those in the files.
     let trace = scratch.trace("t.jsonl");
     let frames: Vec<&Value> = trace.iter().filter(|event| event["event"] == "frame").collect();
     assert_eq!(frames.len(), names.len());
@@ -313,7 +313,7 @@ fn images_are_the_same_however_a_run_is_run() {
     assert!(names[2].contains(&format!("{exposed:012.6}")), "{} {exposed}", names[2]);
 }
 
-/// The test of all functions in Python, through `eye.py`.
+/// The test of all camera functions in Python, through `eye.py`.
 const PYTHON: &str = r#"
 from eye import *
 
@@ -402,7 +402,7 @@ fn a_scene_is_seen_from_anywhere_without_programs() {
     assert!(shot("a.png", &view) == shot("b.png", &view));
     assert!(shot("a.png", &[&view[..], &["--fov", "90"]].concat()) != shot("b.png", &view));
     assert_eq!(head(&scratch, "b.png"), (96, 64, 8, 2));
-    // Straight down.
+    // The view straight down.
     shot("down.png", &["--from", "2000,2000,3000", "--to", "2000,2000,0", "--size", "40x40", "--labels"]);
     assert_eq!(head(&scratch, "down.png"), (40, 40, 8, 3));
     shot("robot.png", &["--robot", "2", "--size", "32x24"]);
@@ -456,7 +456,8 @@ fn wrong_folders_for_images_are_refused() {
 #[test]
 fn an_image_that_cannot_be_written_ends_the_run() {
     let scratch = scratch(ROBOTS);
-    // Both robots take images after the slot in which the second one removes the folder, the first one a little earlier.
+    // Both robots take images after the slot in which the second one removes the folder; the first robot takes its
+    // image a little earlier.
     let begun = |more: &str| WANDERER.replace("CAMInit(CUSTOM);", &format!("CAMInit(CUSTOM); {more} OSWait(100);"));
     scratch.write("one.c", &begun(""));
     scratch.write("two.c", &begun("OSExecute(\"rm -r images\", (char *)image);"));
@@ -483,7 +484,7 @@ fn without_a_camera_nothing_is_read_for_one() {
     assert_eq!(quiet.code, Some(0), "{quiet:#?}");
     assert!(!quiet.stderr.contains("missing.png"), "{quiet:#?}");
 
-    // With one, the warning comes once, in the slot of the first image, for either robot.
+    // With a camera, either robot's first image causes one warning, in its slot.
     scratch.write("one.c", WANDERER);
     scratch.eyesim(&["run", "a.sim", "-q"]);
     let runs: Vec<Ran> =
@@ -498,7 +499,7 @@ fn without_a_camera_nothing_is_read_for_one() {
     let strict = refused(&scratch, &["run", "a.sim", "--strict", "-q"], 2);
     assert!(strict.contains("the scene is not run on: 1 warning"), "{strict}");
 
-    // The files that cameras need are then inputs of the run.
+    // Files that cameras need are inputs of the run.
     scratch.write("room.wld", &walls.replace("missing.png", "floor.bmp"));
     let inputs = |scratch: &Scratch| -> Vec<String> {
         let report = scratch.report("a.sim", &[], 0);

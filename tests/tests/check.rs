@@ -8,9 +8,9 @@ use serde_json::Value;
 use tests::{Ran, Scratch};
 
 const GOOD: &str = "floor 1000 1000\n";
-/// One warning, in line 2.
+/// World with one warning, in line 2.
 const WARNED: &str = "floor 1000 1000\n0 0 1000\n";
-/// One error, in line 2.
+/// World with one error, in line 2.
 const WRONG: &str = "floor 1000 1000\nposition inf 0 0\n";
 
 fn with(files: &[(&str, &str)]) -> Scratch {
@@ -193,7 +193,7 @@ fn files_that_are_none_are_reported() {
     scratch.write("b.xyz", "");
     assert_eq!(codes(&scratch, "b.xyz"), ["file-kind"]);
     assert!(codes(&scratch, "named.sim").contains(&"file-unreadable".to_owned()));
-    // Again, as text for people.
+    // The same check with output for humans.
     let ran = check(&scratch, &[".", "--format", "human"]);
     assert!(ran.stdout.contains("cr.wld:2:1") && !ran.stdout.contains('\0'), "{ran:#?}");
 }
@@ -227,7 +227,7 @@ fn file_names_need_not_be_text() {
     assert!(ran.stdout.ends_with("2 files checked: 2 warnings in 2 files\n"), "{ran:#?}");
 }
 
-/// A huge file of one line fills neither the screen nor the memory.
+/// A huge file of one line must fill neither the screen nor the memory.
 #[test]
 fn one_line_of_many_megabytes_is_no_trouble() {
     let scratch = Scratch::new();

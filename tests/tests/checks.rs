@@ -1,4 +1,4 @@
-//! Checks of scenes: every kind on its page, exact instants for every slot length, verdicts, messages.
+//! Checks of scenes: every kind on its page, exact instants for every slot length, verdicts and messages.
 #![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a micrometre")]
 
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// Blocks of a page with this language.
+/// Blocks of a page in this language.
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     page.split(&fence).skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block).collect()
@@ -42,7 +42,7 @@ fn the_page_has_an_example_of_every_kind_that_holds() {
     assert_eq!(report["points"], report["max_points"], "{checks:#?}");
 }
 
-/// A floor with one robot at (500, 500) that drives `program`, and these checks.
+/// A scene with these checks: a floor with one robot at (500, 500) that runs `program`.
 fn scene(program: &str, checks: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("drive.c", &format!("#include \"eyebot.h\"\nint main() {{\n{program}\nreturn 0;\n}}\n"));
@@ -52,17 +52,18 @@ fn scene(program: &str, checks: &str) -> Scratch {
     scratch
 }
 
-/// A curve, then a straight line; both at speeds that no slot length divides.
+/// A curve, then a straight line, both at speeds that are no multiples of any slot length.
 const CURVE: &str = "VWCurve(700, 80, 170); VWWait(); VWStraight(400, 230); VWWait(); OSWait(2000);";
 
 #[test]
 fn verdicts_and_instants_are_the_same_for_every_slot_length() {
-    // Where the curve ends, and the maximum y of the line after it, with closed forms: the robot turns left by 80 degrees.
+    // End of the curve, and the end of the line after it, where y is maximal, in closed form. The robot turns left by
+    // 80 degrees.
     let turn = 80_f64.to_radians();
     let (radius, (sin, cos)) = (0.7 / turn, turn.sin_cos());
     let end = [500.0 + 1e3 * radius * sin, 500.0 + 1e3 * radius * (1.0 - cos)];
     let top = [end[0] + 400.0 * cos, end[1] + 400.0 * sin];
-    // Discs beside the line, at its middle: their radius is the distance from it, a little more, a little less.
+    // Discs beside the middle of the line. Their radius is the distance to the line, slightly more, or slightly less.
     let middle = [0.5 * (end[0] + top[0]), 0.5 * (end[1] + top[1])];
     let beside = [middle[0] + 100.0 * sin, middle[1] - 100.0 * cos];
     let disc = |name: &str, radius: f64| {
@@ -121,7 +122,7 @@ fn instants_are_those_of_the_closed_form() {
             .expect("a time");
     let at = |index: usize| report["checks"][index]["at_s"].as_f64().expect("an instant") - start;
     assert!((at(0) - 2.0).abs() < 1e-6, "400 mm at 200 mm/s: {} s", at(0));
-    // The gap to the wall at x = 2000 is 800 mm when the centre is at 1200 mm less the radius.
+    // The gap to the wall at x = 2000 is 800 mm when the robot's centre is at 1200 mm minus its radius.
     let gap = report["checks"][1]["x_m"].as_f64().expect("a place");
     assert!((at(1) - (gap - 0.5) / 0.2).abs() < 1e-6, "{} s at {gap} m", at(1));
     let message = report["checks"][1]["message"].as_str().expect("words");
@@ -297,7 +298,7 @@ fn the_gap_between_two_robots_is_that_of_two_circles_that_pass() {
         let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
         report["checks"][0].clone()
     };
-    // The ways are 400 mm apart, and the robots pass each other at x = 1000.
+    // The paths are 400 mm apart, and the robots pass each other at x = 1000.
     let gap = 1e3 * run(0.0, "50")["value"].as_f64().expect("a gap");
     for (min, is_met) in [(gap - 0.001, true), (gap + 0.001, false)] {
         let checks = ["1", "50", "200"].map(|slot| run(min, slot));
@@ -350,7 +351,7 @@ fn the_command_to_see_it_begins_at_the_earliest_failure() {
     let scratch = scene("VWStraight(1000, 100); VWWait();", checks);
     let ran = scratch.eyesim(&["run", "a.scene.toml"]);
     let view = ran.stdout.lines().chain(ran.stderr.lines()).find(|line| line.starts_with("to see it")).expect("a hint");
-    // 400 mm at 100 mm/s, less a second.
+    // The limit of 400 mm at 100 mm/s takes 4 s; the hint is one second earlier.
     assert!(view.ends_with(" --at 3.0"), "{view}");
 }
 
@@ -368,8 +369,8 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
     for slot in ["1", "200", "700"] {
         assert_eq!(checks_of(slot), first, "slot {slot}");
     }
-    // The robots are 1 m apart, each half of that from their middle: then one drives 1 m aside in 5 s. Half of their distance is more
-    // than 600 mm when it has driven 663 mm, after 3.317 s; more than 1.1 m between them after 458 mm, 2.291 s.
+    // The robots start 1 m apart, each 0.5 m from their middle. Then one drives 1 m aside in 5 s. Half of their
+    // distance exceeds 600 mm after 663 mm, at 3.317 s. Their distance exceeds 1.1 m after 458 mm, at 2.291 s.
     let last =
         |index: usize| first[index]["series"].as_array().and_then(|series| series.last()).expect("values").clone();
     assert!((last(0)[1].as_f64().expect("m") - 0.5 * 2_f64.sqrt()).abs() < 1e-6, "{}", last(0));
@@ -395,14 +396,14 @@ fn what_a_program_prints_as_a_metric_is_in_the_report_and_decides_no_check() {
     assert!(message.contains("the program prints its metrics itself"), "{message}");
     assert!(ran.stderr.contains("`METRIC oops` is not kept: expected `METRIC name=value`"), "{}", ran.stderr);
     assert!(ran.stderr.contains("finished"), "the table: {}", ran.stderr);
-    // It starts at 500 mm, and runs into the wall at 2 m.
+    // The robot starts at 500 mm and hits the wall at 2 m.
     assert_eq!((&robot["start"]["x_m"], &robot["contacts"]), (&serde_json::json!(0.5), &serde_json::json!(1)));
     let times = robot["contact_times_s"].as_array().expect("times");
     let at = times[0].as_f64().expect("a time");
     assert!(times.len() == 1 && (4.0..6.0).contains(&at), "1.4 m at 0.3 m/s: {times:?}");
 }
 
-/// Entry of the report for a check of this script of the shell, and the exit code of the run.
+/// Entry of the report for a check by this shell script, and the exit code of the run.
 fn of_script(script: &str, keys: &str) -> (Value, Option<i32>) {
     let scratch = scene(
         "VWStraight(300, 200); VWWait();",

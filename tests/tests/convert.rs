@@ -1,4 +1,4 @@
-//! `eyesim convert` and `eyesim schema` as commands.
+//! The commands `eyesim convert` and `eyesim schema`.
 
 use tests::{Scratch, root, write_scene};
 
@@ -81,7 +81,7 @@ fn the_schema_is_the_one_of_the_docs() {
     assert_eq!(ran.stdout.trim(), committed.trim());
 }
 
-/// A program of RoBIOS-7 whose calls are in RoBIOS 6, too: 20 ms here, 200 ms there.
+/// A program whose calls exist in both generations: it waits 20 ms in RoBIOS-7 and 200 ms in RoBIOS 6.
 const OF_BOTH: &str =
     "#include \"eyebot.h\"\nint main(void) { OSWait(20); LCDPrintf(\"%d\", OSGetCount()); return 0; }\n";
 const OF_7: &str = "#include \"eyebot.h\"\nint main(void) { VWStraight(100, 100); return VWWait(); }\n";
@@ -111,7 +111,7 @@ fn generations_survive_a_conversion() {
         let digests = [&sim, &toml, &back].map(|scene| scratch.report(scene, &[], 0)["digest"].clone());
         assert!(digests[0].is_string() && digests.iter().all(|digest| *digest == digests[0]), "{name}: {digests:?}");
     }
-    // A program that is missing at the conversion may be of either generation.
+    // A program that is missing at the time of conversion may later be of either generation.
     assert_eq!(scratch.eyesim(&["convert", "later.sim", "-o", "later.scene.toml"]).code, Some(0));
     for program in [OF_7, PROGRAM, OF_BOTH] {
         scratch.write("later.c", program);
@@ -140,7 +140,7 @@ fn samples_and_scenes_of_others_run_the_same_once_converted() {
             assert!(index >= own, "{path} converts");
             continue;
         }
-        // The programs of others are not there.
+        // The programs of scenes by others are missing.
         let robots = if index < own { 0 } else { scratch.read(&toml).matches("[[robot]]").count() };
         let programs: Vec<String> = (1..=robots).map(|robot| format!("--program={robot}=both.c")).collect();
         let args: Vec<&str> = programs.iter().map(String::as_str).collect();
@@ -193,7 +193,7 @@ fn a_world_becomes_an_occupancy_grid_and_a_world_again() {
     let mm = |line: &str| line.split(' ').map(|word| word.parse::<f64>().expect("a number").round() as i64).collect();
     let walls: Vec<Vec<i64>> = scratch.read("again.wld").lines().skip(1).map(mm).collect();
     assert_eq!(walls, [[100, 600, 100, 100], [1100, 100, 1100, 600], [100, 100, 1100, 100], [1100, 600, 100, 600]]);
-    // A pipe as the image of a map is refused at once.
+    // A pipe as the image of a map is rejected at once.
     std::fs::remove_file(scratch.path().join("map.pgm")).expect("the image");
     let pipe = scratch.path().join("map.pgm");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
@@ -223,7 +223,7 @@ fn the_drive_through_a_field_of_cylinders_gets_its_score() {
     let scratch = Scratch::new();
     let ran = scratch.eyesim(&["test", suite.to_str().expect("a path"), "-v"]);
     assert!(ran.code == Some(0) && ran.stdout.contains("2 passed"), "{ran:#?}");
-    // The world is what its generator writes.
+    // The world equals the output of its generator.
     let generator = root().join("docs/examples/barn/generate.py");
     let status = std::process::Command::new("python3").arg(generator).arg("7").output().expect("python3");
     let committed = std::fs::read(root().join("docs/examples/barn/field.world")).expect("the world");

@@ -1,4 +1,4 @@
-//! `eyesim check` over the files of EyeSim beside the repository, if present: only missing files cause losses.
+//! `eyesim check` over the EyeSim files beside the repository, if present. Only missing files cause losses.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// A file below the corpus, line, column, code.
+/// A finding: file below the corpus, line, column, code.
 type Finding<'a> = (&'a str, u64, u64, &'a str);
 
-/// Worlds and robot files that are named but exist nowhere: EyeSim fails to load these scenes, too.
+/// Errors: worlds and robot files that are named but exist nowhere. EyeSim cannot load these scenes either.
 const ERRORS: &[Finding<'_>] = &[
     ("vr-2018/Test Assets/examples/drivemodes/Ackermann.sim", 5, 6, "file-missing"),
     ("vr-2018/Test Assets/examples/drivemodes/Diff.sim", 5, 6, "file-missing"),
@@ -23,8 +23,8 @@ const ERRORS: &[Finding<'_>] = &[
     ("vr-2018/older/f906f0a/SavedSim.sim", 4, 7, "file-missing"),
 ];
 
-/// Mistakes that EyeSim ignores silently. Not listed: files that moved with their scene, meshes, programs and types that the
-/// collection does not hold.
+/// Mistakes that EyeSim ignores silently. The list omits files that moved with their scene, and meshes, programs and
+/// types that are not in the collection.
 const WARNINGS: &[Finding<'_>] = &[
     ("maze-course/maze1.maz", 1, 1, "maz-cell-first"),
     ("vr-2018/123.sim", 0, 0, "sim-robot-missing"),
@@ -54,7 +54,7 @@ const WARNINGS: &[Finding<'_>] = &[
     ("vr-crate/LLMEyesim/eyesim/worlds/Crate/Boxes.esObj", 8, 1, "esobj-keyword"),
 ];
 
-/// Warnings about files that the collection does not hold.
+/// Codes of warnings about files that are not in the collection.
 const ABSENT: [&str; 4] = ["file-missing", "file-moved", "program-missing", "sim-type-unknown"];
 
 fn findings<'a>(all: &'a [Value], corpus: &str, severity: &str) -> BTreeSet<Finding<'a>> {
@@ -95,7 +95,7 @@ fn every_file_of_eyesim_is_checked_and_each_defect_named() {
     assert_eq!(lines.lines().filter(|line| line.contains(": error[")).count(), ERRORS.len(), "{lines}");
 }
 
-/// Programs that scenes name but the collection does not hold, by the names under which stand-ins are given.
+/// Programs that scenes name but that are not in the collection, by the names under which stand-ins are given.
 const STAND_INS: &[(&str, &[&str])] = &[
     ("two-starts/01-w5_simulation.sim", &["02-prey", "03-predator.py"]),
     ("follow-leader/01-w5_simulation.sim", &["leader.py", "worker"]),
@@ -109,7 +109,7 @@ const STAND_INS: &[(&str, &[&str])] = &[
     ("vr-2018/older/7832648/RobotVR-Build/examples/SPEED.sim", &["speed.dll"]),
 ];
 
-/// Scenes without any robot: there is nothing to run.
+/// Returns true if a scene has a robot; otherwise there is nothing to run.
 fn has_robots(file: &str) -> bool {
     !WARNINGS.iter().any(|(name, _, _, code)| *name == file && *code == "sim-robot-missing")
 }
@@ -141,7 +141,7 @@ fn every_scene_of_eyesim_runs_with_stand_ins_for_its_missing_programs() {
             assert_eq!(code, Some(2), "{file}: {stderr}");
             continue;
         }
-        // Without stand-ins only scenes without programs run.
+        // Without stand-ins only scenes without programs can run.
         assert_eq!(code, Some(if stand_ins.is_some() { 2 } else { 0 }), "{file}: {stderr}");
         let stand_ins = stand_ins.unwrap_or(&[""]);
         let (code, stderr) = run(stand_ins);

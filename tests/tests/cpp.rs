@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// Writes `files`, runs `program` on `robots` robots and returns the report and what was printed.
+/// Writes `files`, runs `program` on `robots` robots and returns the report and the output.
 fn run(files: &[(&str, &str)], program: &str, robots: usize, args: &[&str], code: i32) -> (Value, Ran) {
     let scratch = Scratch::new();
     for (name, text) in files {
@@ -26,7 +26,7 @@ fn reason(report: &Value) -> &str {
     report["robots"][0]["reason"].as_str().unwrap_or_else(|| panic!("a reason in {report:#}"))
 }
 
-/// Lines of the robots' consoles, without number and time.
+/// Console lines of a robot, without its number and the times.
 fn lines(ran: &Ran, robot: usize) -> Vec<&str> {
     let start = format!("[r{robot} ");
     let own = ran.stdout.lines().filter(|line| line.starts_with(&start));
@@ -207,7 +207,7 @@ fn static_objects_live_as_long_as_the_program() {
     assert_eq!(names(&[], 0), ["+a", "+b", "+local", "+t", "-local", "-t", "atexit", "-b", "-a"]);
     // As in C++, `exit` does not destroy automatic objects.
     assert_eq!(names(&["--args", "1"], 0), ["+a", "+b", "+local", "+t", "-t", "atexit", "-b", "-a"]);
-    // Stopped by the simulator: all objects are destroyed, no exit handlers are called.
+    // If the simulator stops a program, it destroys all objects and calls no exit handlers.
     assert_eq!(names(&["--args", "1 2", "--until", "2"], 0), ["+a", "+b", "+local", "+t", "-local", "-t", "-b", "-a"]);
     assert_eq!(names(&["--args", "1 2 3"], 1), ["+a", "+b", "+local", "+t"]);
 }

@@ -1,11 +1,11 @@
-//! `eyesim debug` with gdb in batch mode: breakpoints by source line, and a world that stands still.
+//! `eyesim debug` with gdb in batch mode: breakpoints by source line; virtual time stops while the debugger waits.
 
 use std::process::Command;
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// Drives 0.2 m, asks for the time, and drives on.
+/// Drives 0.2 m, reads the time, and drives on.
 const PROGRAM: &str = r#"#include "eyebot.h"
 
 static int twice(int number)
@@ -64,7 +64,7 @@ fn a_program_stops_at_a_line_and_a_function_and_the_run_is_the_same() {
     assert!(output.contains(&format!("drive.c:{line}\n")), "{output}");
     assert!(output.contains("twice (number=21)"), "{output}");
     assert!(output.contains("Value returned is $3 = 42"), "{output}");
-    // Two seconds at the prompt take no virtual time: the run equals that of `eyesim run`.
+    // Two seconds at the prompt take no virtual time: the run equals one by `eyesim run`.
     let debugged = report(&scratch, "debug.json");
     let plain = scratch.report("scene.sim", &[], 0);
     assert_eq!(debugged["digest"], plain["digest"], "{debugged:#}");
@@ -80,7 +80,7 @@ fn without_a_place_it_stops_at_the_beginning() {
     let ran = debug(&scratch, &[], &["backtrace 1", "kill"]);
     let output = format!("{}{}", ran.stdout, ran.stderr);
     assert!(output.contains("main ()") && output.contains("drive.c:"), "{output}");
-    // The debugger was left: that robot ends, the others go on.
+    // After the debugger exits, its robot ends and the others continue.
     assert_eq!(ran.code, Some(1), "{output}");
     let report = report(&scratch, "debug.json");
     let outcomes: Vec<&str> =

@@ -1,4 +1,4 @@
-//! The same inputs and seed give the same digest: on one thread and two, watched or not, in debug and in release.
+//! Equal inputs and seeds give equal digests: on one thread and two, watched or not, in debug and release builds.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,7 +9,7 @@ use tests::{Scratch, eyesim_path, write_crowd};
 const AVOID: &str = "%sim%/example-programs/avoid";
 const AVOID_C: &str = "%sim%/example-programs/avoid-c/avoid.c";
 
-/// Drives about without looking.
+/// Drives about without reading sensors.
 const BUMP_C: &str = r#"
 #include "eyebot.h"
 int main(void)
@@ -39,7 +39,7 @@ fn digest(scratch: &Scratch, args: &[&str]) -> String {
     digest_with(eyesim_path(), scratch, args)
 }
 
-/// Twenty runs, in turn on one thread, two and more than there are processors.
+/// Makes twenty runs, on one thread, on two, and on more threads than processors, and asserts equal digests.
 fn assert_same_twenty_times(robots: usize) {
     let scratch = Scratch::new();
     write_crowd(&scratch, robots, AVOID);
@@ -75,7 +75,8 @@ fn c_programs_with_random_numbers_give_the_same_digest_on_one_thread_and_two() {
 fn the_end_of_a_slot_gives_the_same_digest_on_any_number_of_workers() {
     let scratch = Scratch::new();
     scratch.write("bump.c", BUMP_C);
-    // So many that loops over the robots are shared among the workers, and so dense that robots collide and block each other.
+    // The crowd is large enough that workers share loops over the robots, and dense enough that robots collide and
+    // block each other.
     let mut sim = String::from("world crowd.wld\n");
     for index in 0..160 {
         let (x, y) = (400 * (index % 16) + 300, 400 * (index / 16) + 300);
@@ -100,12 +101,12 @@ fn who_watches_changes_nothing() {
     assert_eq!(digest(&scratch, &["-v"]), first);
     assert_eq!(digest(&scratch, &["-v", "--only", "PSD*", "--trace", "t.jsonl", "--plot", "p.svg"]), first);
     assert_eq!(digest(&scratch, &["--speed", "20"]), first, "nor does pacing");
-    // The trace has the same digest.
+    // The trace contains the same digest.
     let trace = scratch.trace("t.jsonl");
     assert_eq!(trace.last().expect("a trace has lines")["digest"], Value::String(first));
 }
 
-/// The binary of the other profile beside the one under test, if it has been built from this state of the sources.
+/// The binary of the other profile, if it was built from the current sources.
 fn other_profile() -> Option<PathBuf> {
     let here = eyesim_path();
     let (folder, name) = (here.parent()?, here.file_name()?);
@@ -154,7 +155,7 @@ fn robots_with_numbers_give_the_same_run_in_whatever_order_they_are_listed() {
         }
         scratch.write(name, &scene);
         let report = scratch.report(name, &["--until", "10", "--trace", "t.jsonl"], 0);
-        // The first line names the file, which differs.
+        // The traces' first lines differ, since they name the file.
         let trace = scratch.read("t.jsonl");
         let (_, events) = trace.split_once('\n').expect("a header");
         (report["digest"].clone(), report["robots"].clone(), events.to_owned())

@@ -1,5 +1,5 @@
-//! Scenes in every dialect, written as their users write them, with programs that run in them: a robot arrives where geometry
-//! says, and two dialects that describe the same scene give the same run.
+//! Scenes in every dialect, written as users write them, with programs: a robot arrives at the place that geometry
+//! gives, and equal scenes in two dialects give equal runs.
 
 #![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within a millimetre")]
 
@@ -11,7 +11,7 @@ use tests::{Scratch, number};
 /// A room of 4 m by 3 m.
 const ROOM: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\n";
 
-/// 300 mm ahead, a quarter turn to the left, 200 mm ahead.
+/// Drives 300 mm ahead, turns left by 90 degrees, and drives 200 mm ahead.
 const HOOK: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -63,22 +63,23 @@ int main(void) {
 }
 "#;
 
-/// A robot as in classic files; its axle lies 10 mm ahead of the centre.
+/// A robot in the classic format; its axle is 10 mm ahead of the centre.
 const CLASSIC: &str = "name Twin\ndiameter 186\nspeed 600\nturn 300\naxis 10\npsd PSD_FRONT 1 60 20 30 0\n\
     psd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\npsd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 90\n\
     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
-/// The same robot as in files of EyeSim VR: the body by its collider, half the track, no names of motors.
+/// The same robot in the format of EyeSim VR: the body is its collider, the track is half the wheel distance, motors
+/// have no names.
 const VR: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
     psd PSD_FRONT 1 60 20 30 0\npsd PSD_LEFT 2 56 45 30 90\npsd PSD_RIGHT 3 56 -45 30 -90\n\
     psd PSD_BACK 4 -60 0 30 180\nwheel 54 3600 1100 45\n";
 
-/// The same robot as in files of 2022: the id before the name, three angles.
+/// The same robot in the format of 2022: the id is before the name, and there are three angles.
 const VR_2022: &str = "drive DIFFERENTIAL_DRIVE\nname Twin\nmass 3 0 20 0\ncollider sphere 93 0 93 0\naxis 27 10\n\
     psd 1 PSD_FRONT 60 20 30 0 0 0\npsd 2 PSD_LEFT 56 45 30 0 90 0\npsd 3 PSD_RIGHT 56 -45 30 0 -90 0\n\
     psd 4 PSD_BACK -60 0 30 0 180 0\nwheel 54 3600 1100 45\n";
 
-/// A folder with the programs, the robots and the room.
+/// Creates a folder with the programs, the robots and the room.
 fn scratch() -> Scratch {
     let scratch = Scratch::new();
     let files = [("hook.c", HOOK), ("look.c", LOOK), ("wander.c", WANDER), ("room.wld", ROOM)];
@@ -89,7 +90,7 @@ fn scratch() -> Scratch {
     scratch
 }
 
-/// The robots of the report of a run of `sim` that ends well.
+/// Runs `sim`, which must succeed, and returns the robots of the report.
 fn run(scratch: &Scratch, sim: &str) -> Vec<Value> {
     scratch.write("scene.sim", sim);
     let report = scratch.report("scene.sim", &[], 0);
@@ -104,7 +105,7 @@ fn digest(scratch: &Scratch, sim: &str) -> String {
     report["digest"].as_str().expect("a digest").to_owned()
 }
 
-/// Within 1 mm of (x, y) in millimetres and within 0.1 degrees of the heading.
+/// Asserts that a robot is within 1 mm of (x, y) in millimetres and within 0.1 degrees of the heading.
 fn assert_at(robot: &Value, x_mm: f64, y_mm: f64, phi_deg: f64) {
     let (x, y) = (number(robot, "pose.x_m") * 1000.0, number(robot, "pose.y_m") * 1000.0);
     assert!((x - x_mm).hypot(y - y_mm) < 1.0, "at ({x}, {y}), not at ({x_mm}, {y_mm}): {robot:#}");
@@ -112,10 +113,10 @@ fn assert_at(robot: &Value, x_mm: f64, y_mm: f64, phi_deg: f64) {
     assert!(turn.min(360.0 - turn) < 0.1, "heading off by {turn} degrees: {robot:#}");
 }
 
-/// The end of [`HOOK`] for a robot whose axle lies `axle_mm` ahead of its centre, which starts at (x, y) in mm.
+/// End of [`HOOK`] for a robot that starts at (x, y) in mm, with its axle `axle_mm` ahead of its centre.
 fn end_of_hook(x: f64, y: f64, phi_deg: f64, axle_mm: f64) -> (f64, f64, f64) {
     let (sin, cos) = phi_deg.to_radians().sin_cos();
-    // The robot turns about the middle of its axle, which moves `ahead` and then `left` of the start.
+    // The robot turns about the middle of its axle. So the axle ends `ahead` and `left` of the start.
     let (ahead, left) = (300.0 + axle_mm, 200.0 - axle_mm);
     (x + ahead * cos - left * sin, y + ahead * sin + left * cos, phi_deg + 90.0)
 }
@@ -139,7 +140,7 @@ fn names_of_eyesim_vr_place_robots() {
     assert_eq!(names, ["S4", "LabBot", "Twin", "S4"]);
     for (robot, (x, y, phi_deg)) in robots.iter().zip([
         end_of_hook(600.0, 600.0, 0.0, 0.0),
-        // The axle of EyeSim VR's LabBot.
+        // Axle position of LabBot in EyeSim VR.
         end_of_hook(1400.0, 600.0, 90.0, 10.8),
         end_of_hook(2400.0, 600.0, 30.0, 10.0),
         (2000.0, 2000.0, 45.0),
@@ -170,7 +171,7 @@ fn a_scene_without_programs_says_so_and_takes_them_from_the_command_line() {
 #[test]
 fn programs_of_eyesim_vr_are_found_by_their_source() {
     let scratch = scratch();
-    // The magic number of a Mach-O file of Apple's processors.
+    // The magic number of a Mach-O file for Apple processors.
     std::fs::write(scratch.path().join("hook.x"), b"\xcf\xfa\xed\xfe\x0c\0\0\x01").expect("a file");
     let robots = run(&scratch, "world room.wld\nS4 600 600 0 hook.x\nS4 600 1600 0 hook.exe\nS4 2000 600 0 hook.dll\n");
     assert_at(&robots[0], 900.0, 800.0, 90.0);
@@ -178,10 +179,11 @@ fn programs_of_eyesim_vr_are_found_by_their_source() {
     assert_at(&robots[2], 2300.0, 800.0, 90.0);
 }
 
-/// Cells of 500 mm. The `s` is in the highest of four rows, the `R`, with a wall below, in the second from below.
+/// A maze with cells of 500 mm. The `s` is in the highest of four rows. The `R`, with a wall below, is in the second
+/// row from below.
 const MAZE: &str = " _____\n|s    |\n| |_  |\n|  R  |\n|_____|\n500\n";
 
-/// Two cells ahead, then what the sensor ahead reads.
+/// Drives two cells ahead and shows the reading of the front sensor.
 const TWO_CELLS: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -220,15 +222,16 @@ fn classic_robots_take_the_starts_of_maze_and_world_in_order() {
     assert_at(&robots[1], 250.0, 750.0, 90.0);
     assert_at(&robots[2], 1250.0, 750.0, 180.0);
 
-    // A frame turned clockwise by 90 degrees: its x axis points down, its y axis to the right. Headings turn the other way.
+    // The frame is turned clockwise by 90 degrees: its x axis points down, its y axis to the right. Headings turn
+    // clockwise.
     let world = "floor 3000 2000\n0 0 3000 0\n3000 0 3000 2000\n3000 2000 0 2000\n0 2000 0 0\nposition 500 500 0\n\
                  push 1500 1500 90\nposition 700 400 90\n-400 900 600 900 20 150\npop\n";
     scratch.write("frames.wld", world);
     let robots = run(&scratch, "world frames.wld\nrobi classic.robi look.c\nrobi classic.robi look.c\n");
     assert_at(&robots[0], 500.0, 500.0, 0.0);
     assert_at(&robots[1], 1900.0, 800.0, 0.0);
-    // The wall stands at x = 2400, 20 mm thick, from y = 900 to 1900: the second robot, 20 mm left of y = 800, sees past it,
-    // and reads the end of its range.
+    // The wall is at x = 2400, 20 mm thick, from y = 900 to 1900. The second robot is at y = 800, so its ray passes the
+    // wall and it reads the end of its range.
     assert_eq!(reading(&robots[1], 0), 9999.0);
     let robots = run(&scratch, "world frames.wld\nrobi classic.robi look.c 2000 1000 0\n");
     assert_eq!(reading(&robots[0], 0), 400.0 - 10.0 - 60.0);
@@ -261,7 +264,8 @@ fn the_sensors_of_every_dialect_look_where_they_should() {
     }
 }
 
-/// Turns on the spot by the motors alone for a second, then by a quarter turn of VW, and shows what the wheels did.
+/// Turns on the spot by the motors alone for a second, then by VW for a quarter turn, and shows the motion of the
+/// wheels.
 const TURN: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -283,8 +287,9 @@ int main(void) {
 "#;
 
 #[test]
-fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
-    // Wheels of 54 mm, 90 mm apart. For a second, 2 percent of 3600 degrees/s; of EyeSim VR 2 percent of 0.4 m/s at the rim.
+fn the_track_of_eyesim_vr_is_half_the_wheel_distance() {
+    // Wheels of 54 mm diameter, 90 mm apart. For one second: 2 % of 3600 degrees/s; in EyeSim VR 2 % of 0.4 m/s at the
+    // rim.
     let classic = 72_f64.to_radians();
     let vr = 0.008 / 0.027;
     for (robi, wheel) in [("classic", classic), ("vr", vr), ("vr2022", vr)] {
@@ -293,11 +298,11 @@ fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
         scratch.write("turn.c", TURN);
         let sim = format!("world room.wld\nrobi {robi}.robi turn.c 1000 1000 0\nrobi {robi}.robi turn.c 2000 1000 0\n");
         let robots = run(&scratch, &sim);
-        // The motors start one after the other, some calls long: within 0.1 degrees.
+        // The two motors start some calls apart, which causes at most 0.1 degrees.
         let (by_vw, by_motors) = (number(&robots[0], "pose.phi_rad"), number(&robots[1], "pose.phi_rad"));
         assert!((by_motors - turn).to_degrees().abs() < 0.1, "{robi}: {by_motors} for {turn}");
         assert!((by_vw - turn - FRAC_PI_2).to_degrees().abs() < 0.1, "{robi}: {by_vw}");
-        // Ticks of the right wheel: 1100 a turn.
+        // Ticks of the right wheel, with 1100 ticks per turn.
         assert!((reading(&robots[1], 0) - 1100.0 * wheel / (2.0 * PI)).abs() <= 1.0, "{robi}: {:#}", robots[1]);
         let quarter = (45.0 * FRAC_PI_2) / (54.0 * PI) * 1100.0;
         assert!((reading(&robots[0], 1) - quarter).abs() <= 1.0, "{robi}, {quarter}: {:#}", robots[0]);
@@ -307,7 +312,7 @@ fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
 #[test]
 fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
     let scratch = scratch();
-    // Robot files of EyeSim VR have PSDs of this range.
+    // Robot files of EyeSim VR give PSDs this range.
     scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
     let classic = |robi: &str| format!("world room.wld\nrobi {robi}.robi wander.c 800 900 20\n");
     let vr = |robi: &str| format!("world room.wld\nrobi {robi}.robi\nTwin 800 900 20 wander.c\n");
@@ -316,7 +321,7 @@ fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
         assert_eq!(digest(&scratch, &classic(robi)), first, "{robi}");
         assert_eq!(digest(&scratch, &vr(robi)), first, "{robi} in a sim file of EyeSim VR");
     }
-    // Counter-check: a digest that never changes would prove nothing.
+    // Control: the digest must change if the robot does.
     scratch.write("vr.robi", &VR.replace("1100 45", "1100 45.001"));
     assert_ne!(digest(&scratch, &classic("vr")), first, "a thousandth of a millimetre");
 }
@@ -340,25 +345,25 @@ const POST: &str = "name Post\nmass 5 0 0 0\ncollider box 0 150 0 120 300 60\nfi
 fn objects_of_every_dialect_stand_where_they_are_placed() {
     let scratch = scratch();
     scratch.write("things/post.esObj", POST);
-    // Around the S4: a crate of 200 mm, a can of 66 mm, the post, a ball of 100 mm in classic form.
+    // Objects around the S4: a crate of 200 mm, a can of 66 mm, the post, and a ball of 100 mm in the classic format.
     let objects = "object things/post.esObj\ncrate 1500 1020 0\ncan 1056 1500 0\nPost 1056 500 0\n\
                    object 500 1000 0 0.3 ball.ms3d\n";
     let around = [1400.0 - 1060.0, 1500.0 - 33.0 - 1045.0, 955.0 - 500.0 - 60.0, 940.0 - 550.0];
     let readings = |robots: &[Value]| -> Vec<f64> { (0..4).map(|row| reading(&robots[0], row)).collect() };
     let robots = run(&scratch, &format!("world room.wld\n{objects}S4 1000 1000 0 look.c\n"));
     assert_eq!(readings(&robots), around);
-    // Turned by a quarter, the post shows its narrow side.
+    // After a quarter turn the post's narrow side faces the robot.
     let turned = objects.replace("Post 1056 500 0", "Post 1056 500 90");
     let robots = run(&scratch, &format!("world room.wld\n{turned}S4 1000 1000 0 look.c\n"));
     assert_eq!(readings(&robots)[2], 955.0 - 500.0 - 30.0);
-    // A maze has a ball and a box as letters.
+    // A maze file contains a ball and a box as letters.
     scratch.write("field.maz", " _______\n|o     x|\n|_______|\n720\n");
     let robots = run(&scratch, "world field.maz\nS4 1440 1080 180 look.c\n");
     assert_eq!(reading(&robots[0], 0), 1440.0 - 60.0 - 360.0 - (50.0_f64.powi(2) - 20.0_f64.powi(2)).sqrt().round());
     assert_eq!(reading(&robots[0], 3), 2520.0 - 100.0 - 1500.0);
 }
 
-/// Drives 1 m against any obstacle ahead.
+/// Drives 1 m ahead, against an obstacle.
 const RAM: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -384,12 +389,12 @@ fn a_robot_pushes_a_can_and_stops_at_a_post() {
     assert_at(stopped, 1200.0 - 30.0 - 93.0, 1600.0, 0.0);
     let can = &report["objects"][0];
     assert_eq!(report["objects"].as_array().map(Vec::len), Some(1), "the post is a part of the world: {report:#}");
-    // In front of the robot, or a little ahead where it has slid on.
+    // The can is in front of the robot, or a little ahead if it slid on.
     let ahead = number(can, "pose.x_m") * 1000.0 - (1600.0 + 93.0 + 33.0);
     assert!((-1.0..20.0).contains(&ahead), "{ahead} mm: {can:#}");
 }
 
-/// Shows the arguments of its `main`.
+/// Shows the arguments of `main`.
 const ECHO: &str = r#"
 #include "eyebot.h"
 int main(int argc, char **argv) {
@@ -425,7 +430,7 @@ fn our_own_form_gives_programs_their_arguments() {
     assert_at(&robots[1], 1500.0, 2000.0, 0.0);
     assert_at(&robots[2], 2000.0, 2000.0, 0.0);
     assert_eq!(robots[3]["outcome"], "no_program");
-    // A program in Rust: the side of its square.
+    // The Rust program drives a square with this side.
     assert!((number(&robots[4], "path_m") - 0.4).abs() < 1e-6, "{:#}", robots[4]);
 
     let robots = run(&["--args", "3:other", "--args", "5:0.2", "--program", "4=echo.c"]);
@@ -437,7 +442,7 @@ fn our_own_form_gives_programs_their_arguments() {
 #[test]
 fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
     let scratch = scratch();
-    // Robot files of EyeSim VR have PSDs of this range.
+    // Robot files of EyeSim VR give PSDs this range.
     scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
     let first = digest(&scratch, "world room.wld\nrobi classic.robi wander.c 800 900 20\n");
     for robi in ["classic", "vr", "vr2022"] {
@@ -468,7 +473,7 @@ fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
     }
 }
 
-/// Prints the heading, turns by SIMSetRobot to `phi`, and prints it again.
+/// Program that prints the heading, sets it to `phi` by SIMSetRobot, and prints it again.
 fn turner(phi: i32) -> String {
     format!(
         "#include \"eyebot.h\"\nint main() {{\n    int x, y, z, phi;\n    SIMGetRobot(0, &x, &y, &z, &phi);\n    \
@@ -487,7 +492,7 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
         let end = ["x_m", "y_m"].map(|key| (number(&robot["pose"], key) * 1000.0).round());
         (lcd(0), lcd(1), end)
     };
-    // By the source of 2018: the value read is 360 - (90 - heading), the value set is 90 - heading.
+    // According to the source of 2018, the returned heading is 360 - (90 - heading), and the set one is 90 - heading.
     let of_2018 = |first: &str, second: &str, end| (first.to_owned(), second.to_owned(), end);
     scratch.write("turn.c", &turner(0));
     scratch.write("a.sim", "world room.wld\nS4 500 500 0 turn.x\n");
@@ -499,7 +504,7 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
     scratch.write("turn.c", &turner(-45));
     let (_, told_again, [x, y]) = told("a.sim", &["--dialect", "vr2018"]);
     assert_eq!((told_again.as_str(), x, y), ("1000 500 45", 788.0, 712.0));
-    // The scene says it as well, and a file that only EyeSim VR of 2018 has.
+    // The dialect also follows from a setting of the scene, or from a file that only EyeSim VR of 2018 supports.
     scratch.write("turn.c", &turner(0));
     let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"turn.c\"\nx_mm = 500\ny_mm = 500\n";
     scratch.write("b.scene.toml", &format!("[scene]\ndialect = \"vr2018\"\n[world]\nfile = \"room.wld\"\n{robot}"));
@@ -515,12 +520,12 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
     assert!(refused.code == Some(2) && refused.stderr.contains("expected vr2018, vr2023 or classic"), "{refused:#?}");
 }
 
-/// Drives one cell of 360 mm and prints what is ahead.
+/// Drives one cell of 360 mm and prints the reading of the front sensor.
 const STEP: &str =
     "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
 
 #[test]
-fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
+fn file_options_and_dialect_set_the_cell_size_of_a_maze() {
     let scratch = Scratch::new();
     scratch.write("step.c", STEP);
     scratch.write("m.maz", "720\n _____\n|   S |\n| |_| |\n|U____|\n");
@@ -540,7 +545,7 @@ fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
         let checked = scratch.eyesim(&[&["check", "a.sim", "m.maz", "--strict"][..], args].concat());
         assert!(!checked.stdout.contains("maz-cell-first"), "{checked:#?}");
     }
-    // Only the last line, the last letter and heading 0 in 2018.
+    // In 2018 only the last line, the last letter and heading 0 count.
     scratch.write("b.sim", "world m.maz\nS4 s step.x\n");
     let robot = scratch.report("b.sim", &["--dialect", "vr2018"], 0)["robots"][0].clone();
     let [x, y] = ["pose.x_m", "pose.y_m"].map(|key| (number(&robot, key) * 1000.0).round());
@@ -548,7 +553,7 @@ fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
     let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"step.c\"\nx_mm = 360\ny_mm = 360\n";
     scratch.write("c.scene.toml", &format!("[world]\nfile = \"m.maz\"\ncell_mm = 500\n{robot}"));
     let report = scratch.report("c.scene.toml", &["--strict"], 0);
-    // From x = 360 by 360 mm, in a row of 1500 mm.
+    // From x = 360 the robot drives 360 mm, in a row of 1500 mm.
     assert_eq!(report["robots"][0]["lcd"][0].as_str().map(str::trim), Some("720"), "{report:#}");
     scratch.write("d.scene.toml", &format!("[world]\nfile = \"room.wld\"\ncell_mm = 500\n{robot}"));
     scratch.write("room.wld", ROOM);
@@ -566,7 +571,7 @@ fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
 fn a_robot_that_leaves_through_a_gap_is_told_with_its_instant() {
     let scratch = Scratch::new();
     scratch.write("out.c", "#include \"eyebot.h\"\nint main() { VWStraight(1000, 100); VWWait(); return 0; }\n");
-    // A lower-case `s` in the bottom row, and a `|` that is missing at the right.
+    // Mazes with a gap: a lower-case `s` in the bottom row, and a missing `|` at the right.
     for (maze, heading, distance) in [(" ___\n|   |\n|s _|\n", 270, 180.0), (" ___\n|   |\n|__S\n", 0, 180.0)] {
         scratch.write("m.maz", maze);
         scratch.write("a.sim", &format!("world m.maz\nS4 S {heading} out.x\n"));
@@ -574,7 +579,7 @@ fn a_robot_that_leaves_through_a_gap_is_told_with_its_instant() {
         assert!(checked.stdout.contains("maz-gap"), "{checked:#?}");
         let left_floor_s =
             |slot: &str| number(&scratch.report("a.sim", &["--slot", slot], 0)["robots"][0], "left_floor_s");
-        // At 100 mm/s after the start of the call's end.
+        // The robot drives at 100 mm/s; it starts at the end of the call.
         assert!((left_floor_s("50") - distance / 100.0).abs() < 0.01, "{}", left_floor_s("50"));
         assert_eq!(left_floor_s("50"), left_floor_s("1"), "whatever the slots");
         let ran = scratch.eyesim(&["run", "a.sim"]);

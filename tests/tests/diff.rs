@@ -1,8 +1,8 @@
-//! `eyesim diff`: the first difference between two runs.
+//! `eyesim diff`: finds the first difference between two runs.
 
 use tests::{Ran, Scratch, write_crowd};
 
-/// Reads a PSD again and again while it drives.
+/// Reads a PSD repeatedly while it drives.
 const LOOK: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -15,7 +15,7 @@ int main(void) {
 }
 "#;
 
-/// Runs three robots into `NAME.jsonl` and `NAME.json`.
+/// Runs three robots and writes `NAME.jsonl` and `NAME.json`.
 fn run(scratch: &Scratch, name: &str, args: &[&str]) {
     let (trace, report) = (format!("{name}.jsonl"), format!("{name}.json"));
     scratch.write("look.c", LOOK);

@@ -1,4 +1,4 @@
-//! The targets of references in the documentation exist.
+//! References in the documentation point to existing targets.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -27,7 +27,7 @@ fn pages() -> Vec<PathBuf> {
     pages
 }
 
-/// The text without fenced blocks, whose brackets are no links.
+/// The text without fenced blocks, since their brackets are not links.
 fn prose(text: &str) -> String {
     let mut inside = false;
     let lines = text.lines().filter(|line| {
@@ -38,12 +38,12 @@ fn prose(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The targets of `[text](target)` and `![text](target)`.
+/// Targets of `[text](target)` and `![text](target)`.
 fn links(text: &str) -> Vec<&str> {
     text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
 }
 
-/// The anchor that a heading gets: lower case, blanks to hyphens, punctuation dropped.
+/// The anchor of a heading: lower case, blanks become hyphens, punctuation is dropped.
 fn anchor(heading: &str) -> String {
     let slug = heading.trim().to_lowercase();
     slug.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
@@ -92,14 +92,14 @@ fn a_broken_link_is_found() {
     assert_eq!(broken(&page, "docs/robios6.md#cost-table"), None);
 }
 
-/// The paths of the list of rooms: an indented name belongs to the name above it.
+/// Paths in the list of rooms; an indented name belongs to the name above it.
 fn rooms(architecture: &str) -> Vec<String> {
     let (_, list) = architecture.split_once("```text\n").expect("the list of rooms");
     let (list, _) = list.split_once("```").expect("its end");
     let mut parent = "";
     let mut paths = Vec::new();
     for line in list.lines() {
-        // Several names stand in one column: two or more blanks begin the description.
+        // One column contains several names; the description begins after two or more blanks.
         let (names, _) = line.trim_start().split_once("  ").unwrap_or((line.trim(), ""));
         let nested = line.starts_with(' ');
         for name in names.split_whitespace() {
@@ -117,7 +117,7 @@ fn the_architecture_names_rooms_that_exist() {
     let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let rooms = rooms(&text);
     assert!(rooms.len() >= 15, "{rooms:?}");
-    // A module is a folder, or the file of its name.
+    // A module is a folder or the file with its name.
     let missing = |path: &&String| {
         let path = root().join(path.trim_end_matches('/'));
         !path.exists() && !path.with_extension("rs").exists()
@@ -187,7 +187,7 @@ fn a_fresh_checkout_has_no_file_that_names_a_machine() {
         return;
     };
     let home = concat!("/ho", "me/");
-    // A folder of that name in a relative path is no machine's.
+    // A folder of that name in a relative path is not a path of a machine.
     let is_absolute = |text: &str, at: usize| !text[..at].ends_with(|before: char| before.is_alphanumeric());
     let names = String::from_utf8(listed.stdout).expect("names in UTF-8");
     let pages =
@@ -210,7 +210,7 @@ fn the_list_of_diagnostics_is_that_of_their_pages() {
             let path = entry.expect("an entry").path();
             let code = path.file_stem().expect("a name").to_string_lossy().into_owned();
             let text = fs::read_to_string(&path).expect("a page");
-            // The third line: `**warning**: message`.
+            // The third line has the form `**warning**: message`.
             let (severity, message) = text.lines().nth(2).and_then(|line| line.split_once(": ")).expect("the message");
             format!(
                 "| [`{code}`](codes/{code}.md) | {} | {} |\n",

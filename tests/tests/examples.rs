@@ -11,7 +11,7 @@ fn scene(name: &str) -> String {
     root().join("sims").join(name).to_str().expect("the checkout's path is text").to_owned()
 }
 
-/// Runs a sample scene and returns its robots, all of which must have `outcome`.
+/// Runs a sample scene and returns its robots, which must all have `outcome`.
 fn run(name: &str, args: &[&str], outcome: &str) -> Vec<Value> {
     let report = Scratch::new().report(&scene(name), args, 0);
     let robots = report["robots"].as_array().expect("a report has robots").clone();
@@ -29,7 +29,7 @@ fn contacts(robot: &Value) -> u64 {
     robot["contacts"].as_u64().expect("a count")
 }
 
-/// A line of the display, without the blanks around it.
+/// A line of the display, without surrounding blanks.
 fn lcd(robot: &Value, row: usize) -> &str {
     robot["lcd"][row].as_str().expect("a line of text").trim()
 }
@@ -77,7 +77,8 @@ fn wall_followers_pass_the_course() {
         let report = scratch.report("course.sim", &["--until", "60"], 0);
         let robot = &report["robots"][0];
         assert_eq!(contacts(robot), 0, "{program}");
-        // Through the lower and the middle corridor into the upper one: 12 m/min are its speed, less the turns.
+        // The path leads through the lower and the middle corridor into the upper one, at 12 m/min minus the time for
+        // the turns.
         assert!(number(robot, "path_m") > 10.5, "{program}: {robot:#}");
         assert!(number(robot, "pose.y_m") > 2.4, "{program}: {robot:#}");
     }
@@ -90,10 +91,11 @@ fn the_left_hand_leads_to_the_goal() {
     assert!(distance(pose(robot), [3.5 * 0.36, 3.5 * 0.36]) < 0.01, "{robot:#}");
     assert_eq!(contacts(robot), 0);
     assert_eq!(lcd(robot, 1), "goal: 12 cells");
-    // It started looking up and looks to the left: its pose is in the world's frame, its odometry in its start's.
+    // The robot starts looking up and ends looking left. Its pose is in the world frame, its odometry in the frame of
+    // its start.
     assert!((number(robot, "pose.phi_rad").abs() - PI).abs() < 1e-6);
     assert!((number(robot, "odometry.phi_rad") - PI / 2.0).abs() < 1e-6);
-    // Any other cell is reached too, in no more steps than twice around all of the walls.
+    // It also reaches any other cell, with at most twice the steps of a path around all walls.
     for goal in ["6 6", "0 6", "6 0"] {
         let robot = &run("maze-left-hand.sim", &["--args", goal], "finished")[0];
         let cells: Vec<f64> = goal.split(' ').filter_map(|cell| cell.parse().ok()).collect();
@@ -103,15 +105,15 @@ fn the_left_hand_leads_to_the_goal() {
     }
 }
 
-/// Steps from the lower left cell to the nearest of the four cells in the middle of a maze, by breadth-first search in
-/// its drawing.
+/// Number of steps from the lower left cell to the nearest of the four middle cells of a maze, by breadth-first search
+/// in its drawing.
 fn shortest_way(maze: &str) -> usize {
     let mut rows: Vec<&[u8]> = maze.lines().map(str::as_bytes).collect();
     // The last line is the size of a cell; the first one is the upper border.
     rows.pop();
     let cells = rows.len() - 1;
     let is_open = |x: usize, y: usize, direction: usize| {
-        // Row of the drawing and column of the cell; below it stands a wall where `_` or a capital is.
+        // Row in the drawing and column of the cell. A `_` or a capital means a wall below the cell.
         let (row, column) = (cells - y, 2 * x + 1);
         match direction {
             0 => rows[row][column + 1] != b'|',
@@ -157,7 +159,7 @@ fn the_micro_mouse_races_on_the_shortest_way() {
     let maze = std::fs::read_to_string(root().join("worlds/micromouse.maz")).expect("our maze");
     assert_eq!(lcd(robot, 2), format!("race: {} cells", shortest_way(&maze)));
     assert_eq!(lcd(robot, 6), "GOAL");
-    // To the goal, back, and the race are whole cells.
+    // The way to the goal, the way back and the race consist of whole cells.
     let driven = number(robot, "path_m") / 0.36;
     let said = lcd_number(robot, 0) + lcd_number(robot, 1) + lcd_number(robot, 2);
     assert!((driven - said).abs() < 1e-3, "{driven} cells driven, {said} said");
@@ -169,7 +171,7 @@ fn avoiders_drive_a_minute_without_a_contact() {
         assert_eq!(contacts(&robot), 0, "{robot:#}");
         assert!(number(&robot, "path_m") > 5.0, "{robot:#}");
     }
-    // With other seeds too, except for the end of a wall of 20 mm between the beams.
+    // With other seeds there are at most two contacts: a robot may miss the end of a wall of 20 mm between its beams.
     let seeds = ["1", "2", "3", "4", "5", "6", "7"];
     let all: u64 = seeds
         .iter()
@@ -183,7 +185,7 @@ fn avoiders_drive_a_minute_without_a_contact() {
 fn the_car_parks_between_the_others() {
     let robot = &run("park.sim", &[], "finished")[0];
     assert_eq!(contacts(robot), 0);
-    // The gap reaches from 1.7 m to 2.6 m; the street's axis is at 0.58 m, 0.38 m to the left of the gap's.
+    // The gap is from 1.7 m to 2.6 m. The axis of the street is at 0.58 m, 0.38 m to the left of the axis of the gap.
     let [x, y, phi] = pose(robot);
     assert!((x - 2.15).abs() < 0.03 && (y - 0.20).abs() < 1e-6 && phi.abs() < 1e-6, "{robot:#}");
     assert_eq!(lcd(robot, 0), "gap of 0.40 m");
@@ -203,7 +205,7 @@ fn mecanum_wheels_drive_a_square_without_turning() {
     assert!(poses.iter().all(|line| number(line, "phi_rad") == 0.0), "it never turns");
     let far = poses.iter().any(|line| number(line, "x_m") > 1.99 && number(line, "y_m") > 1.99);
     assert!(far, "it has been to the opposite corner");
-    // The odometry is exact to the encoders' ticks of 0.08 mm.
+    // The odometry is exact to one encoder tick, 0.08 mm.
     let words: Vec<f64> = lcd(robot, 3).split_whitespace().map(|word| word.parse().expect("a number")).collect();
     assert!((words[0] - (x - 1.5)).abs() < 5e-4 && (words[1] - (y - 1.5)).abs() < 5e-4, "{robot:#}");
 }
@@ -213,7 +215,8 @@ fn every_bump_is_felt() {
     let robot = &run("bounce.sim", &[], "finished")[0];
     assert!(contacts(robot) >= 4, "{robot:#}");
     assert_eq!(lcd_number(robot, 0), contacts(robot) as f64);
-    // At a slant the robot slides on, its wheels slip by less than half of their speed.
+    // After an oblique contact the robot slides on, and its wheels slip by less than half of their speed, which is no
+    // stall.
     let stalls = lcd_number(robot, 1);
     assert!(stalls >= 1.0 && stalls <= contacts(robot) as f64, "the wheels stall at steep bumps: {stalls}");
 }
@@ -237,7 +240,7 @@ fn the_metronome_beats_and_obeys_its_keys() {
     let trace = scratch.trace("t.jsonl");
     let beats: Vec<f64> = trace.iter().filter(|line| line["event"] == "tone").map(|line| number(line, "t_s")).collect();
     assert_eq!(lcd_number(robot, 1), beats.len() as f64);
-    // A beat every 0.5 s for 5 s, every 0.25 s for 5 s, every 0.5 s for 2 s; each change begins anew.
+    // A beat every 0.5 s for 5 s, every 0.25 s for 5 s, and every 0.5 s for 2 s; each change restarts the beat.
     assert!((32..=34).contains(&beats.len()), "{beats:?}");
     let gaps: Vec<f64> = beats.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(gaps[..8].iter().all(|gap| (gap - 0.5).abs() < 0.01), "{gaps:?}");
@@ -248,8 +251,8 @@ fn the_metronome_beats_and_obeys_its_keys() {
 #[test]
 fn the_controller_makes_a_lagging_robot_quicker() {
     let robot = &run("step-response.sim", &[], "finished")[0];
-    // Open loop, 90 % of the speed take 80 ms times ln 10 = 184 ms, less than a tick more for the command to begin, and
-    // the program looks every 10 ms.
+    // In open loop, 90 % of the speed takes 80 ms times ln 10 = 184 ms. Add less than one tick until the command takes
+    // effect, and up to 10 ms, the period at which the program reads the speed.
     let open_loop = lcd_number(robot, 0);
     assert!((184.0..=210.0).contains(&open_loop), "{robot:#}");
     assert!(lcd_number(robot, 1) < 0.6 * open_loop, "{robot:#}");

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Runs a sample scene; all of its robots must end without contact.
+/// Runs a sample scene, whose robots must all end without a contact.
 fn run(scene: &str, args: &[&str]) -> Value {
     let path = root().join("sims").join(scene);
     let report = Scratch::new().report(path.to_str().expect("UTF-8"), args, 0);
@@ -30,7 +30,8 @@ fn the_quad_tree_leads_through_the_flat() {
     let report = run("quad-tree.sim", &[]);
     let robot = &report["robots"][0];
     assert_near(robot, [3.6, 2.6], 0.03);
-    // The air line is 3.9 m, around the walls some more; along the centres of squares not twice as far.
+    // The straight line is 3.9 m, and the way around the walls is longer. Along the centres of squares it is less than
+    // twice as long.
     assert!((4.0..7.0).contains(&number(robot, "path_m")), "{robot:#}");
 }
 
@@ -57,7 +58,7 @@ fn distbug_gets_around_obstacles_that_it_does_not_know() {
     assert_near(robot, [3.6, 1.5], 0.05);
     assert!(robot["lcd"].to_string().contains("goal after"), "{robot:#}");
     assert_eq!(robot["contacts"], 0, "{robot:#}");
-    // A goal inside of the pocket's wall cannot be reached: it says so after having been around.
+    // A goal inside the pocket's wall cannot be reached: the robot prints this after it has gone once around.
     let path = root().join("sims/distbug.sim");
     let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", "2350 -550"], 1);
     assert!(report["robots"][0]["lcd"].to_string().contains("no way"), "{report:#}");
@@ -68,7 +69,7 @@ fn the_laser_scanner_leads_around_the_course() {
     let report = run("follow-wall-lidar.sim", &[]);
     let robot = &report["robots"][0];
     assert_eq!(robot["contacts"], 0, "{robot:#}");
-    // There and back through three corridors.
+    // The robot drives through three corridors and back.
     assert!((15.0..40.0).contains(&number(robot, "path_m")), "{robot:#}");
 }
 

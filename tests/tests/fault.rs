@@ -1,9 +1,9 @@
-//! Programs that break: the message names robot, program and line, the record up to there is complete.
+//! Programs that crash: the message names robot, program and line, and the record up to the crash is complete.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// Runs `source` as robot 2 between two robots that drive; returns report, output and the lines of the trace.
+/// Runs `source` as robot 2 between two robots that drive; returns the report, the output and the lines of the trace.
 fn run(source: &str, args: &[&str]) -> (Value, Ran, Vec<Value>) {
     let scratch = Scratch::new();
     scratch.write("broken.c", source);
@@ -20,7 +20,7 @@ fn run(source: &str, args: &[&str]) -> (Value, Ran, Vec<Value>) {
     (serde_json::from_str(&scratch.read("r.json")).expect("a report"), ran, scratch.trace("t.jsonl"))
 }
 
-/// The reason given for robot 2.
+/// The reason of robot 2 in the report.
 fn reason(report: &Value) -> &str {
     report["robots"][1]["reason"].as_str().expect("a reason")
 }
@@ -37,7 +37,7 @@ fn a_null_write_is_reported_at_once_with_its_line() {
     assert!(reason(&report).contains("OSWait"), "{}", reason(&report));
     let said = ran.stdout + &ran.stderr;
     assert!(said.contains("broken.c") && said.contains("r2"), "{said}");
-    // The others' poses are recorded up to the slot of the fault, 1.0 s.
+    // The trace has poses of the other robots up to the slot of the crash, at 1.0 s.
     let last = trace.iter().filter(|line| line["event"] == "pose").filter_map(|line| line["t_s"].as_f64()).next_back();
     assert!(last >= Some(1.0), "{last:?}");
 }
@@ -64,7 +64,7 @@ fn what_counts_is_the_time_between_two_waits_also_of_a_robot_alone() {
         "#include \"eyebot.h\"\nint main(void) {\n    volatile int i;\n    int n;\n    for (n = 0; n < 25; n++) {\n\
          for (i = 0; i < 20000000; i++)\n;\n OSWait(50);\n    }\n OSMTStatus();\n    return 0;\n}\n",
     );
-    // A second or more in all, of which no stretch takes half a second.
+    // The program uses a second or more of processor time, but less than half a second between any two calls.
     scratch.report(scene.to_str().expect("UTF-8"), &["--timeout", "0.5"], 0);
 }
 
@@ -143,7 +143,7 @@ fn a_library_that_cannot_be_loaded_fails_the_robot_by_name() {
     }
 }
 
-/// Runs `source` alone in a robot, in a scene that lasts 5 s; returns its report.
+/// Runs `source` on a single robot in a scene of 5 s; returns the report.
 fn run_alone(source: &str, args: &[&str]) -> Value {
     let scratch = Scratch::new();
     scratch.write("alone.c", source);
@@ -201,7 +201,7 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
              \x20 return 0;\n}}\n"
         )
     };
-    // What lies behind the newest block is the C library's own, which it looks at when the program asks for more.
+    // Memory behind the newest block belongs to the C library, which checks it when the program allocates more.
     let newest = "#include \"eyebot.h\"\nint main(void) {\n  volatile int *a = malloc(16), n = 400;\n  for (int i = 0; i < n; i++)\n    a[i] = i;\n\
                   \x20 char *b = malloc(100);\n  LCDPrintf(\"%d %d\\n\", a[0], b != 0);\n  return 0;\n}\n";
     for exec in ["auto", "thread", "process"] {

@@ -1,15 +1,15 @@
-//! Faults on purpose: each kind on its page, the same for every way of running.
+//! Injected faults: each kind is on its page, and gives the same results for every executor.
 
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// Blocks of a page with this language.
+/// Blocks of a page in this language.
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     page.split(&fence).skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block).collect()
 }
 
-/// The scene of docs/faults.md without its faults, with its programs beside it.
+/// The scene of docs/faults.md without faults, in a folder with its programs, and the faults.
 fn room() -> (Scratch, String, Vec<String>) {
     let page = std::fs::read_to_string(root().join("docs/faults.md")).expect("the page");
     let scratch = Scratch::new();
@@ -45,7 +45,7 @@ fn faults_do_what_the_page_says() {
     assert_eq!(dead["robots"][1]["outcome"], "halted", "{dead:#?}");
     assert!(text.contains("alive 3") && !text.contains("alive 6"), "{text}");
 
-    // The reading at 1 s, before the drive, is that at its end.
+    // A stuck sensor reads at the end of the drive the same as at 1 s, before the drive.
     let (_, text) = run("stuck", with("sensor_stuck"));
     let number = |text: &str, word: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(word)).expect("a line");
@@ -58,7 +58,7 @@ fn faults_do_what_the_page_says() {
     let (_, text) = run("off", off);
     assert_eq!(number(&text, "start "), 9999, "{text}");
 
-    // In 1 s of 250 mm/s the wheels lose half of their way, which the odometry does not notice.
+    // For 1 s at 250 mm/s the robot loses half of the wheels' rolled distance; the odometry does not measure this.
     let (slipped, text) = run("slip", with("slip"));
     let x = |report: &Value| report["robots"][0]["pose"]["x_m"].as_f64().expect("x");
     assert!((x(&plain) - x(&slipped) - 0.125).abs() < 0.005, "{} {}", x(&plain), x(&slipped));

@@ -1,17 +1,17 @@
 //! Random scenes give the same digest on fibers, threads and processes, with one worker and two.
 //!
-//! The programs of a scene have tasks, globals, cameras, radio and random numbers; `EYESIM_SCENES=200` tries that many scenes instead of
-//! a few.
+//! The programs have tasks, globals, cameras, radio and random numbers. The environment variable `EYESIM_SCENES=200`
+//! sets the number of scenes; by default there are a few.
 
 use std::fmt::Write as _;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use tests::Scratch;
 
-/// Scenes in a run of the tests without `EYESIM_SCENES`.
+/// Default number of scenes.
 const FEW: u64 = 2;
 
-/// A source of random choices, fixed by the number of the scene.
+/// A source of random choices, seeded by the scene's number.
 struct Choices {
     scene: u64,
     count: u64,
@@ -34,7 +34,7 @@ impl Choices {
     }
 }
 
-/// A statement of a program of RoBIOS-7 in the task `task`.
+/// A random statement of a RoBIOS-7 program in the task `task`.
 fn statement(choices: &mut Choices, task: usize) -> String {
     match choices.below(15) {
         0 => format!("VWSetSpeed({}, {});", choices.between(-200, 300), choices.between(-60, 60)),
@@ -55,7 +55,7 @@ fn statement(choices: &mut Choices, task: usize) -> String {
     }
 }
 
-/// The statements of a task, which repeats them for ever; a wait in each round lets virtual time pass.
+/// The statements of a task, repeated forever. A wait in each round lets virtual time pass.
 fn body(choices: &mut Choices, task: usize) -> String {
     let mut text = String::from("for (;;) {\n");
     for _ in 0..choices.between(2, 8) {
@@ -65,7 +65,7 @@ fn body(choices: &mut Choices, task: usize) -> String {
     text
 }
 
-/// A program of RoBIOS-7 with further threads, all of which share its globals.
+/// A RoBIOS-7 program with additional threads that share its globals.
 fn program(choices: &mut Choices) -> String {
     let tasks = choices.below(3) as usize;
     let mut text = String::from(

@@ -1,5 +1,5 @@
-//! Forbidden functions: they fail as documented without any effect, in every language and wherever a program runs; they are counted and
-//! named, and cost what a check says.
+//! Forbidden functions: they fail as documented, without any effect, in every language and executor. The report counts
+//! and names the calls, and a check can deduct points for them.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use tests::{Scratch, number, root};
 const ROOM: &str =
     "[world]\nfloor_mm = [3000, 2000]\n\n[[robot]]\ntype = \"S4\"\nprogram = \"a.c\"\nx_mm = 500\ny_mm = 500\n";
 
-/// Looks at what forbidden functions return and leave, and drives 0.4 m.
+/// Prints return values and outputs of forbidden functions, and drives 0.4 m.
 const CHEAT: &str = "#include \"eyebot.h\"\n\
     int main(void) {\n\
     int x = 7, y = 7, z = 7, phi = 7;\n\
@@ -52,7 +52,7 @@ fn a_forbidden_function_fails_without_effect_wherever_a_program_runs() {
                 "KEYGet": 1, "SIMGetRobot": 1, "SIMGetRobotCount": 1, "SIMSetRobot": 2, "VWSetPosition": 1
             });
             assert_eq!(robot["forbidden_calls"], calls);
-            // The name of the program is part of the record.
+            // The record contains the name of the program.
             digests.insert((program, report["digest"].to_string()));
         }
     }
@@ -64,7 +64,7 @@ fn it_is_forbidden_in_every_language_and_generation() {
     let scene = root().join("sims/approach.sim");
     let scratch = Scratch::new();
     let scene = scene.to_str().expect("UTF-8");
-    // The program in Rust ends with an error when a call is refused.
+    // The Rust program ends with an error when a call is rejected.
     let ran = scratch.eyesim(&["run", scene, "--until", "3", "--forbid", "VW*", "--report", "report.json"]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report");
@@ -101,7 +101,7 @@ fn a_scene_whose_forbidden_functions_nobody_calls_runs_as_without() {
     assert_eq!(digest("forbid = [\"SIM*\", \"OSExecute\"]"), digest(""));
 }
 
-/// A check on forbidden calls.
+/// A check of forbidden calls.
 const CHECK: &str =
     "\n[[check]]\nname = \"no cheating\"\nkind = \"event\"\nevent = \"forbidden\"\nmax = 0\npoints = 2\n";
 
@@ -117,7 +117,7 @@ fn a_check_says_what_a_forbidden_call_costs() {
     assert_eq!(forbidden_events.len(), 4);
     assert_eq!(forbidden_events[1]["function"], "SIMSetRobot");
 
-    // A suite forbids what its scene allows, and its lines that repeat a case forbid it as well.
+    // A suite forbids the functions that its scene allows, and its commands that repeat a case forbid them too.
     let scratch = room("", "");
     scratch.write("a.c", &CHEAT.replace("KEYGet()", "0"));
     let suite = format!("[suite]\nscene = \"a.scene.toml\"\nforbid = [\"SIM*\"]\n[matrix]\nseed = 1\n{CHECK}");

@@ -1,4 +1,4 @@
-//! Selection of the RoBIOS generation for which a program is built.
+//! Selection of the RoBIOS generation with which a program is built.
 
 use tests::{Ran, Scratch, write_scene};
 
@@ -80,7 +80,7 @@ fn cc_builds_for_the_generation_that_is_said_or_told() {
     assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), "maze.c: RoBIOS-7 (VWStraight, VWWait)\n"));
     let refused = scratch.eyesim(&["cc", "--api", "6", "maze.c", "-o", "maze.so"]);
     assert!(refused.stderr.contains("this program is built for RoBIOS 6"), "{refused:#?}");
-    // The library carries its generation.
+    // The compiled library contains its generation.
     write_scene(&scratch, &["maze.so"]);
     std::fs::remove_file(scratch.path().join("maze.c")).expect("the source");
     assert_eq!(scratch.eyesim(&["run", "scene.sim"]).code, Some(0));

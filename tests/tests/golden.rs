@@ -1,7 +1,8 @@
-//! Golden digests: every sample scene gives, to the bit, the run of its recorded digest.
+//! Golden digests: the run of every sample scene is bit-identical to the run with the recorded digest.
 //!
-//! `goldens/digests.txt` has a line per run: scene, digest, further options of `eyesim run`. `INSTA_UPDATE=always` rewrites it:
-//! only for a change that is meant to change runs, in a commit that says which and why.
+//! A line of `goldens/digests.txt` describes a run: scene, digest, further options of `eyesim run`.
+//! `INSTA_UPDATE=always` rewrites the file. Do this only for an intended change of runs, in a commit that lists the
+//! changed runs and the reason.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -12,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// Simulated seconds of each run.
+/// Virtual time at which each run ends, s.
 const UNTIL: &str = "10";
 
 /// A line of the list.
@@ -36,7 +37,7 @@ fn goldens() -> Vec<Golden> {
     text.lines().map(golden).collect()
 }
 
-/// The digest of a run of `golden` with `more` options.
+/// Runs `golden` with `more` options and returns the digest.
 fn digest(golden: &Golden, more: &[&str]) -> String {
     let scratch = Scratch::new();
     let scene = root().join("sims").join(&golden.scene);
@@ -52,7 +53,7 @@ fn digest(golden: &Golden, more: &[&str]) -> String {
     report["digest"].as_str().expect("a digest").to_owned()
 }
 
-/// The goldens whose runs with `more` options have another digest, with that digest. Two runs at a time.
+/// The goldens whose runs with `more` options have a different digest, and that digest. Two runs take place at a time.
 fn changed(goldens: &[Golden], more: &[&str]) -> Vec<(usize, String)> {
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {

@@ -1,4 +1,5 @@
-//! Grading: a class of submissions in every form, equal verdicts in any order, and the files for lecturers, students and services.
+//! Grading: a class of submissions in every file format, equal verdicts in any order, and the files for lecturers,
+//! students and services.
 
 #[path = "grade/class.rs"]
 mod class;
@@ -14,10 +15,11 @@ use serde_json::Value;
 use tests::stranger::{chown_all, listing, processes_in, users};
 use tests::{Ran, Scratch, eyesim_path};
 
-/// Environment variable that has all submissions graded in three orders and each alone, as root also as an ordinary user.
+/// Environment variable that has all submissions graded in three orders and each by itself. If the user is root, an
+/// ordinary user grades them as well.
 const ALL: &str = "EYESIM_GRADE";
 
-/// Folder `lab/` with a suite: drive 900 mm ahead and touch nothing.
+/// Creates a folder `lab/` with a suite whose task is to drive 900 mm ahead without a contact.
 fn lab() -> Scratch {
     let scratch = Scratch::new();
     scratch.write(
@@ -35,14 +37,14 @@ fn lab() -> Scratch {
     scratch
 }
 
-/// Runs `eyesim grade` on the lab and expects success.
+/// Runs `eyesim grade` on the lab, which must succeed.
 fn grade(scratch: &Scratch, args: &[&str]) -> Ran {
     let ran = scratch.eyesim(&[&["grade", "lab/lab.suite.toml"], args].concat());
     assert_eq!(ran.code, Some(0), "{args:?}: {ran:#?}");
     ran
 }
 
-/// Lines of a table in CSV without quotes around fields, by their first field.
+/// Rows of a CSV table by their first field; quotes around fields are removed.
 fn table(text: &str) -> BTreeMap<String, Vec<String>> {
     let mut rows: Vec<Vec<String>> = vec![vec![String::new()]];
     let mut is_quoted = false;
@@ -63,7 +65,7 @@ fn table(text: &str) -> BTreeMap<String, Vec<String>> {
     rows.into_iter().filter(|row| row.len() > 1).skip(1).map(|row| (row[0].clone(), row)).collect()
 }
 
-/// The results of a submission: its JSON without times, and without the beginning of the names of its files.
+/// The results of a submission: its JSON without times and without the prefixes of file names.
 fn result(folder: &Path, prefix: &str) -> Value {
     let text = std::fs::read_to_string(folder.join("results.json")).expect("results").replace(prefix, "");
     let mut value: Value = serde_json::from_str(&text).expect("JSON");
@@ -71,7 +73,7 @@ fn result(folder: &Path, prefix: &str) -> Value {
     value
 }
 
-/// Checks a document against the fields that Gradescope documents.
+/// Checks that a document has the fields that Gradescope documents.
 fn validate(results: &Value) {
     let fields = results.as_object().expect("an object");
     let keys = [
@@ -113,7 +115,7 @@ fn write_class(scratch: &Scratch, folder: &str, cases: &[&Case], order: &dyn Fn(
     }
 }
 
-/// Everything that a grading says of each submission, by the name of the case: the line of grades without names, and the results.
+/// The complete results for each submission, by the name of its case: its line of grades without names, and its JSON.
 fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, Value)> {
     let grades = table(&scratch.read(&format!("{output}/grades.csv")));
     let of_row = |row: Vec<String>| {
@@ -125,7 +127,7 @@ fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, V
     grades.into_values().map(of_row).collect()
 }
 
-/// Folders in which a class is graded: the lab, a user's home, a cache, a temporary folder; all of one user.
+/// Folders for grading a class: the lab, a user's home, a cache and a temporary folder, all owned by one user.
 struct Office {
     scratch: Scratch,
     user: Option<u32>,
@@ -144,7 +146,7 @@ impl Office {
         Self { scratch, user }
     }
 
-    /// Runs `eyesim grade` as the user, with limits around it in case the sandbox has a hole, and expects success.
+    /// Runs `eyesim grade` as the user, which must succeed. Limits protect the machine from holes in the sandbox.
     fn grade(&self, args: &[&str]) -> Ran {
         let path = self.scratch.path();
         let script = "ulimit -c 0; ulimit -t 3000; ulimit -f 2000000; exec timeout -k 5 3000 \"$@\"";
@@ -179,7 +181,8 @@ fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
     }
 }
 
-/// Grades the class, again, in other orders, on one worker and two, and submissions alone: all of them if `is_all`, else some.
+/// Grades the class twice, then in other orders, on one worker and two, and then single submissions: all of them if
+/// `is_all`, otherwise some.
 fn grade_class(office: &Office, is_all: bool) {
     let scratch = &office.scratch;
     let cases = class(&scratch.path().canonicalize().expect("a path"));
@@ -207,7 +210,7 @@ fn grade_class(office: &Office, is_all: bool) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert_eq!(found.len(), cases.len());
     pages_are_harmless(&scratch.path().join("out"));
-    // The second time nothing is built or run.
+    // The second grading neither builds nor runs anything.
     let again = office.grade(&["--submissions", "in", "-o", "out"]);
     assert!(again.stdout.starts_with(&format!("{0} of {0} submissions are unchanged", all.len())), "{}", again.stdout);
     assert_eq!(verdicts(scratch, "out"), found);
@@ -220,7 +223,7 @@ fn grade_class(office: &Office, is_all: bool) {
         write_class(scratch, &folder, &some, order);
         office.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
         for (name, verdict) in verdicts(scratch, &output) {
-            // Of two limits that a submission exceeds, either may be reported.
+            // If a submission exceeds two limits, either may be reported.
             if cases.iter().any(|case| case.name == name && case.expected == ("failed", "")) {
                 assert_eq!(found.get(&name).map(|(row, _)| &row[..5]), Some(&verdict.0[..5]), "{name}");
                 continue;
@@ -240,7 +243,7 @@ fn grade_class(office: &Office, is_all: bool) {
     }
 }
 
-/// No page has a tag or an escape sequence of a student.
+/// No page contains an HTML tag or an escape sequence from a student.
 fn pages_are_harmless(output: &Path) {
     let mut pages = vec![output.join("index.html")];
     for entry in std::fs::read_dir(output.join("students")).expect("students").flatten() {
@@ -290,7 +293,7 @@ fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
         assert!(page.contains(part), "{part}: {page}");
     }
     assert!(scratch.read("out/rows.csv").contains("770011"));
-    // The replay is the case of the row.
+    // The replay shows the case of the row.
     let rows = scratch.read("out/rows.csv");
     let row = rows.lines().find(|line| line.starts_with("王小明,") && line.contains(",1,failed")).expect("a row");
     let ran = Command::new(eyesim_path())
@@ -301,12 +304,13 @@ fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
     let report = std::fs::read_to_string(folder.join("r.json")).unwrap_or_else(|error| panic!("{error}: {ran:?}"));
     let report: Value = serde_json::from_str(&report).expect("a report");
     assert!(row.contains(report["digest"].as_str().expect("a digest")), "{row}\n{report:#}");
-    // Similarity checkers read a folder for each student.
+    // Similarity checkers expect one folder per student.
     assert!(scratch.path().join("out/sources/Ana_María/solve.c").is_file());
     assert!(scratch.read("out/junit.xml").contains("testsuite"));
 }
 
-/// What `eyesim new --lab` writes beside the program, checks, opponents and the module for editors, is no program of the student.
+/// The files that `eyesim new --lab` writes beside the program (checks, opponents, the module for editors) are not
+/// programs of the student.
 #[test]
 fn the_folder_of_a_lab_can_be_handed_in_as_it_is() {
     if tests::lacks_sandbox() {
@@ -450,7 +454,7 @@ fn opponents_and_headers_are_those_of_the_suite_and_of_each_robot() {
     scratch.write("in/ana/opponent.h", "#error\n");
     let ran = grade(&scratch, &["--submissions", "in", "-o", "out"]);
     assert!(ran.stdout.contains("1 passed"), "{}", ran.stdout);
-    // Another opponent is another grading.
+    // With another opponent the class is graded again.
     scratch.write("lab/opponent.c", "int main( {\n");
     let ran = scratch.eyesim(&["grade", "lab/lab.suite.toml", "--submissions", "in", "-o", "out"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("opponent.c"), "{ran:#?}");

@@ -1,11 +1,12 @@
-//! Extreme numbers as arguments of the functions of both generations: the run continues, and the robot drives to its mark.
+//! Extreme numbers as arguments of the functions of both generations: the run continues, and the robot drives to its
+//! target.
 
 use std::collections::BTreeSet;
 
 use robios_sys::c::{HEADERS6, HEADERS7, SourceFile};
 use tests::{Scratch, root};
 
-/// Runs the fixture on a robot S4 in a plane with a can; its last line counts its calls and failures.
+/// Runs the fixture on an S4 robot in a plane with a can. Its last line gives the numbers of its calls and failures.
 fn run(fixture: &str) {
     let scratch = Scratch::new();
     let program = std::fs::read_to_string(root().join("tests/fixtures").join(fixture)).expect("the fixture");

@@ -1,4 +1,4 @@
-//! Idioms of programs in the wild, each in a small program of its own: what it prints, with which robot.
+//! Idioms of programs from the field, each in a small program of its own, with the expected output.
 
 use tests::{Scratch, write_scene};
 

@@ -1,6 +1,7 @@
-//! The pictures of docs/image-noise.md are those that its commands write, and their noise is that of the profiles.
+//! The pictures of docs/image-noise.md equal the output of the page's commands, and their noise is that of the
+//! profiles.
 //!
-//! With `--nocapture` it prints the table of the page.
+//! With `--nocapture` the test prints the table of the page.
 
 use std::fs;
 use std::path::Path;
@@ -9,13 +10,14 @@ use std::process::Command;
 use image::RgbImage;
 use tests::{Scratch, eyesim_path, root};
 
-/// The pictures, in the order of the page; each with the profile of its name.
+/// Names of the pictures in the order of the page; each is also the name of its profile.
 const NAMES: [&str; 5] = ["none", "gaussian", "salt-and-pepper", "hundreds-and-thousands", "blur"];
-/// Parameters of the profiles.
+/// Standard deviation in the profiles, in levels.
 const SIGMA: f64 = 20.0;
+/// Fraction of the pixels that impulse noise changes in the profiles.
 const HITS: f64 = 0.05;
 
-/// Writes the pictures as the page's first command does.
+/// Writes the pictures like the page's first command.
 fn write(folder: &Path) {
     for name in NAMES {
         let profile = format!("docs/image-noise/{name}.toml");
@@ -49,12 +51,13 @@ fn committed() -> std::path::PathBuf {
 
 /// Difference of a picture from the original.
 struct Statistics {
-    /// Mean and standard deviation of the difference of the channels, in levels.
+    /// Mean of the channels' differences, in levels.
     mean: f64,
     deviation: f64,
-    /// Standard deviation over the channels that are too far from black and white to be clipped.
+    /// Standard deviation over the channels whose original level is far from black and white, so that noise does not
+    /// clip them.
     uncut: f64,
-    /// Fractions of pixels that differ, that are white and that are black.
+    /// Fraction of pixels that differ.
     changed: f64,
     white: f64,
     black: f64,
@@ -89,7 +92,7 @@ impl Statistics {
         }
     }
 
-    /// Its row in the table of the page.
+    /// Row of the picture in the table of the page.
     fn row(&self, name: &str) -> String {
         let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
         let Self { mean, deviation, uncut, changed, white, black } = self;
@@ -124,7 +127,7 @@ fn the_table_is_that_of_the_pictures() {
     }
 }
 
-/// Within four standard errors of the profile's value.
+/// Asserts that a value is within four standard errors of the profile's value.
 #[track_caller]
 fn assert_near(found: f64, said: f64, standard_error: f64) {
     assert!((found - said).abs() < 4.0 * standard_error, "{found}, said is {said}, standard error {standard_error}");
@@ -138,10 +141,10 @@ fn the_noise_is_that_of_the_profiles() {
     let error = |fraction: f64| (fraction * (1.0 - fraction) / pixels).sqrt();
 
     let gaussian = of("gaussian");
-    // Rounding adds 1/12 to the variance. At least half of the channels are not cut.
+    // Rounding adds 1/12 to the variance. At least half of the channels are not clipped.
     assert_near(gaussian.uncut, (SIGMA * SIGMA + 1.0 / 12.0).sqrt(), SIGMA / (1.5 * pixels * 2.0).sqrt());
 
-    // No pixel of the original is all white or all black, so each hit is seen.
+    // No original pixel is completely white or black, so every changed pixel is counted.
     let exact = of("none");
     assert_eq!([exact.changed, exact.white, exact.black, exact.mean, exact.deviation], [0.0; 5]);
     let impulses = of("salt-and-pepper");
@@ -151,7 +154,7 @@ fn the_noise_is_that_of_the_profiles() {
 
     assert_near(of("hundreds-and-thousands").changed, HITS, error(HITS));
 
-    // A blur moves light, but makes none; only at the picture's edge is some missing or too much.
+    // A blur moves light but creates none; only at the picture's edges light is lost or added.
     let blur = of("blur");
     assert!(blur.mean.abs() < 0.5 && blur.deviation > 1.0, "{}, {}", blur.mean, blur.deviation);
 }

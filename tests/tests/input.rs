@@ -1,11 +1,11 @@
-//! Standard input of programs, `--stdin`: as old programs use it, in each language.
+//! Standard input of programs (`--stdin`), as existing programs use it, in each language.
 
 use std::io::Write as _;
 use std::process::Stdio;
 
 use tests::{Scratch, root, write_scene};
 
-/// Programs that read a name and two numbers, then everything else, and print all of it.
+/// Programs that read a name, two numbers and the remaining text, and print all of them.
 const READERS: [(&str, &str); 7] = [
     (
         "scanf.c",
@@ -71,7 +71,7 @@ fn programs_in_each_language_read_the_same_text() {
             "r.json",
         ]);
         assert_eq!(ran.code, Some(0), "{ran:#?}");
-        // Each robot reads a copy from its beginning: 3 + 4, and 6 more characters.
+        // Each robot reads its own copy from the beginning: 3 + 4, and 6 more characters.
         assert_eq!(ran.stdout.matches("] Ada 7 6\n").count(), readers.len(), "{ran:#?}");
         assert!(!ran.stderr.contains("standard input"), "{ran:#?}");
     }
@@ -118,7 +118,7 @@ fn an_empty_input_is_told_and_no_loop_at_its_end_goes_on() {
         scratch.eyesim(&[&["run", "scene.sim", "--api", "7"], args].concat())
     };
     let hint = "run with `--stdin in.txt`";
-    // \"Press Enter\".
+    // A program that waits for the Enter key.
     let ran = run("printf(\"Press Enter\"); getchar(); VWStraight(100, 100); VWWait(); return 0;", &[]);
     assert!(ran.code == Some(0) && ran.stderr.matches(hint).count() == 1, "{ran:#?}");
     assert!(ran.stdout.contains("Press Enter"), "{ran:#?}");
@@ -132,7 +132,7 @@ fn an_empty_input_is_told_and_no_loop_at_its_end_goes_on() {
         assert!(ran.stderr.contains("reads its standard input in a loop, which has come to its end"), "{ran:#?}");
         assert!(ran.stderr.matches(hint).count() == 1 && ran.stdout.len() < 100_000, "{text}");
     }
-    // A program that asks now and then whether something was typed drives on.
+    // A program that polls for input between its calls drives on.
     let ran = run("int i; for (i = 0; i < 1500; i++) { if (getchar() == 'q') return 1; OSWait(20); } return 0;", &[]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     scratch.write("in.txt", "12\n");

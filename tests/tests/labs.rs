@@ -1,6 +1,7 @@
-//! The labs of the course: solutions have all points, and those with a mistake lose exactly the points of that mistake.
+//! The labs of the course: a solution gets all points, and a solution with a mistake loses exactly the points for that
+//! mistake.
 //!
-//! `EYESIM_LABS=all` runs the twenty seeds of the suites, else a few of them run.
+//! `EYESIM_LABS=all` uses the twenty seeds of the suites; by default a few seeds are used.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,14 +10,14 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use tests::{Scratch, root};
 
-/// Points of a lab.
+/// Total points of a lab.
 const POINTS: f64 = 10.0;
 
-/// A solution, its points, and the checks that it does not meet.
+/// A solution, its points, and the checks that fail.
 type Solution<'t> = (&'t str, f64, &'t [&'t str]);
 
-/// Runs each solution of the lab in this folder with the suite and compares all rows with what is expected. `few` are the seeds of a short
-/// test, `robot` is the one whose program a solution is.
+/// Runs the suite of a lab with each solution and compares all rows with the expected ones. `few` are the seeds of a
+/// short test. A solution is the program of `robot`.
 fn judge(folder: &str, few: &str, robot: &str, with_mistakes: [Solution<'_>; 2]) {
     let (_, name) = folder.split_once('-').expect("a number and a name");
     let scratch = Scratch::new();
@@ -60,7 +61,7 @@ fn judge_solution(scratch: &Scratch, suite: &str, program: &str, points: f64, mi
     }
 }
 
-/// Copies the files of a folder of `lab` and of those below to the same place in `scratch`.
+/// Copies the files in a folder of `lab`, including its subfolders, to the same place in `scratch`.
 fn copy(lab: &Path, folder: &Path, scratch: &Scratch) {
     for path in files(folder) {
         if path.is_dir() {

@@ -1,9 +1,9 @@
-//! docs/four-languages.md: its programs are the files that run, and they drive one path.
+//! docs/four-languages.md: the programs on the page equal the files, and all drive the same path.
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// The programs of the page: where they lie, and what of the file is on the page.
+/// File names of the programs on the page.
 const PROGRAMS: [&str; 4] = ["approach-robios6.c", "approach-robios7.c", "approach.py", "src/lib.rs"];
 
 #[test]
@@ -12,7 +12,7 @@ fn the_page_shows_the_files() {
     for program in PROGRAMS {
         let path = root().join("example-programs/approach").join(program);
         let text = std::fs::read_to_string(&path).expect("a program");
-        // Its unit test is omitted.
+        // The page omits the unit test.
         let source = text.split("\n#[cfg(test)]").next().expect("a part");
         assert!(page.contains(&format!("\n{source}```\n")), "copy `{program}` to docs/four-languages.md");
     }
@@ -25,7 +25,8 @@ fn four_languages_drive_one_path() {
     let robots = report["robots"].as_array().expect("robots");
     assert_eq!(robots.len(), PROGRAMS.len());
     let first = &robots[0];
-    // From 400 mm to 300 mm before the wall of a room of 4 m, as seen from a sensor 60 mm ahead of the centre; then an arc.
+    // The robot drives from x = 400 mm until a sensor 60 mm ahead of its centre is 300 mm from the wall of a 4 m room.
+    // Then it drives an arc.
     let straight = 4.0 - 0.4 - 0.06 - 0.3;
     assert!((number(first, "path_m") - (straight + 0.4)).abs() < 1e-3, "{first:#}");
     for robot in robots {

@@ -1,11 +1,11 @@
-//! Layers that programs show: the same from every language and executor, without effect on the run.
+//! Layers that programs show: equal for every language and executor, without effect on the run.
 
 use std::process::Command;
 
 use tests::Scratch;
 
-/// Shows each kind of layer if it has an argument, then what is refused, and prints the results.
-/// `@CALL@` is a call of its generation.
+/// If it has an argument, the program shows a layer of each kind, then makes calls that are rejected, and prints all
+/// results. `@CALL@` is a call of its generation.
 const PROGRAM_C: &str = r#"#include "eyebot.h"
 #include "eyesim.h"
 #include <stdio.h>
@@ -56,7 +56,7 @@ print("refused ", *(
 ), sep="")
 "#;
 
-/// A scene `a.scene.toml` with one robot that runs `program` with `arguments`, as in TOML.
+/// Writes a scene `a.scene.toml` with one robot that runs `program` with `arguments`, a TOML value.
 fn scratch(name: &str, program: &str, arguments: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write(name, program);
@@ -66,7 +66,7 @@ fn scratch(name: &str, program: &str, arguments: &str) -> Scratch {
     scratch
 }
 
-/// Digest, lines that the program prints, and recording.
+/// Runs the scene and returns the digest, the lines that the program prints, and the recording.
 fn run(scratch: &Scratch, args: &[&str]) -> (String, Vec<String>, Vec<u8>) {
     let report = scratch.report("a.scene.toml", &[args, &["--trace", "t.jsonl", "--record", "r.mcap"]].concat(), 0);
     let trace = scratch.trace("t.jsonl");

@@ -1,4 +1,4 @@
-//! Robots with legs as programs of both generations, of Rust and of Python drive them.
+//! Robots with legs, driven by programs of both generations, in Rust and in Python.
 #![allow(clippy::disallowed_methods, reason = "angles by hand, compared within what is printed")]
 
 use std::process::Command;
@@ -6,10 +6,10 @@ use std::process::Command;
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Height of the biped's hips, length of its thighs and of its shanks, height of its ankles, in mm.
+/// Biped: height of the hips, length of the thighs, length of the shanks, height of the ankles, in mm.
 const BIPED: [f64; 4] = [780.0, 400.0, 400.0, 60.0];
 
-/// A biped, a four-legged robot without feet and a robot on wheels in a large room.
+/// Robot types: a biped, a four-legged robot without feet, and a robot on wheels, in a large room.
 const TYPES: &str = r#"
 [world]
 floor_mm = [8000, 8000]
@@ -40,7 +40,7 @@ name = "Cart"
 diameter_mm = 200
 "#;
 
-/// A scene with these robots, each a type, a program and further keys, at x = y = 2 m and so on.
+/// Writes a scene with these robots: type, program and further keys. All have x = 2 m; their y is 2 m, 4 m, and so on.
 fn scene(scratch: &Scratch, robots: &[(&str, &str, &str)]) {
     let mut text = TYPES.to_owned();
     for ((kind, program, more), at) in robots.iter().zip(1..) {
@@ -52,7 +52,7 @@ fn scene(scratch: &Scratch, robots: &[(&str, &str, &str)]) {
     scratch.write("legs.scene.toml", &text);
 }
 
-/// Runs the scene; its report and its trace.
+/// Runs the scene and returns the report and the trace.
 fn run(scratch: &Scratch, args: &[&str]) -> (Value, Vec<Value>) {
     let report = scratch.report("legs.scene.toml", &[&["--trace", "trace.jsonl"], args].concat(), 0);
     (report, scratch.trace("trace.jsonl"))
@@ -71,7 +71,7 @@ fn hints(scratch: &Scratch) -> String {
     hints.map(|(_, hint)| format!("{hint}\n")).collect()
 }
 
-/// Knee of a leg that stands with its hip above its ankle, in degrees; the thigh's angle is half of it.
+/// Knee angle of a leg that stands with its hip above its ankle, in degrees. The thigh's angle is half of it.
 fn standing_knee() -> f64 {
     let [hip, thigh, _, ankle] = BIPED;
     2.0 * ((hip - ankle) / (2.0 * thigh)).acos().to_degrees()
@@ -162,7 +162,7 @@ int main(void)
         assert!((number(robot, "pose.x_m") - 4.0).abs() < 1e-9, "{robot:#}");
         assert!((number(robot, "pose.phi_rad") - f64::from(phi)).abs() < 1e-9, "{robot:#}");
         assert_eq!((number(robot, "contacts"), number(robot, "touches")), (0.0, 0.0), "{robot:#}");
-        // 10 s and more at a step a second and foot, less what begins and ends.
+        // The walk takes more than 10 s, at one step per second and foot. The first and the last step may be missing.
         assert!(number(robot, "footfalls") >= 18.0, "{robot:#}");
     }
 }
@@ -198,7 +198,7 @@ fn a_walk_is_the_same_on_threads_in_processes_and_for_every_slot() {
     scene(&scratch, &[("Biped", "walk.c", "api = 7"), ("Biped", "walk.c", "api = 7")]);
     let walked = |args: &[&str]| {
         let (report, trace) = run(&scratch, args);
-        // Poses and postures are written at the ends of slots.
+        // Poses and postures are recorded at the ends of slots.
         let of_slots = ["pose", "posture", "slot", "header"];
         let events = trace.iter().filter(|event| !of_slots.iter().any(|kind| event["event"] == **kind));
         let events: Vec<String> = events
@@ -218,7 +218,7 @@ fn a_walk_is_the_same_on_threads_in_processes_and_for_every_slot() {
     }
     for slot in ["1", "7.3", "1000"] {
         let (_, same) = walked(&["--slot", slot]);
-        // The end of the run is that of a slot.
+        // The run ends at the end of a slot, so its end depends on the slot length.
         assert_eq!(same[..same.len() - 1], events[..events.len() - 1], "slots of {slot} ms");
     }
     let ran = scratch.eyesim(&["run", "legs.scene.toml", "--trace", "again.jsonl", "--record", "walk.mcap"]);
@@ -250,7 +250,7 @@ fn feet_alternate_and_tread_a_stride_apart() {
     for side in ["LEFT", "RIGHT"] {
         let of_side: Vec<&&Value> = steps.iter().filter(|event| event["leg"] == side).collect();
         assert!(of_side.len() >= 7, "{steps:?}");
-        // The first cycle is half as long, and the last step comes after the command to stop.
+        // The first cycle is half as long, and the last step follows the stop command.
         for pair in of_side[1..6].windows(2) {
             let stride = number(pair[1], "x_m") - number(pair[0], "x_m");
             assert!((stride - 0.2).abs() < 1e-6, "{pair:?}");
@@ -358,7 +358,7 @@ int main(void)
     assert_eq!(printed(&trace, 1), ["done"]);
     let postures = trace.iter().filter(|event| event["event"] == "posture");
     let mut numbers = postures.flat_map(|event| event["joints_rad"].as_array().expect("angles"));
-    // Non-finite numbers are null.
+    // Non-finite numbers are written as null.
     assert!(numbers.clone().count() > 1000 && numbers.all(Value::is_number));
 }
 

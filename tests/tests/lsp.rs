@@ -1,4 +1,4 @@
-//! `eyesim lsp`, spoken to by a scripted editor.
+//! `eyesim lsp`, tested by a scripted editor.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use tests::eyesim_path;
 
-/// An editor with its language server.
+/// An editor and its language server.
 struct Editor {
     server: Child,
     output: BufReader<ChildStdout>,
@@ -16,7 +16,7 @@ struct Editor {
 }
 
 impl Editor {
-    /// Starts the server in a fresh folder with these files; `encodings` are those that the editor knows.
+    /// Starts the server in a fresh folder with these files. `encodings` are those that the editor supports.
     fn start(files: &[(&str, &str)], encodings: &Value) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).expect("a file"));
@@ -47,7 +47,7 @@ impl Editor {
         self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
     }
 
-    /// Result of a request, or its error.
+    /// Sends a request and returns its result or its error.
     fn ask(&mut self, method: &str, params: Value) -> Value {
         self.requests += 1;
         self.send(&json!({ "jsonrpc": "2.0", "id": self.requests, "method": method, "params": params }));
@@ -119,7 +119,7 @@ impl Editor {
         items.as_array().expect("a list").iter().map(label).collect()
     }
 
-    /// Ends the server; returns its exit code.
+    /// Ends the server and returns its exit code.
     fn end(mut self) -> Option<i32> {
         assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
         self.tell("exit", Value::Null);
@@ -147,7 +147,7 @@ fn mistakes_follow_the_typing_and_go_when_they_are_mended() {
     assert!(code.starts_with("sim-") && first["message"].as_str().expect("a text").contains("world"), "{first}");
     editor.change("x.sim", SIM);
     assert_eq!(editor.diagnostics_of("x.sim"), Vec::<Value>::new());
-    // The world is not on the disk as the editor shows it.
+    // The editor's text of the world differs from the file on disk.
     editor.open("a.wld", "floor 2000\n");
     assert_ne!(editor.diagnostics_of("a.wld"), Vec::<Value>::new());
     assert_eq!(editor.end(), Some(0));
@@ -202,13 +202,13 @@ fn odd_clients_do_no_harm() {
     assert_eq!(editor.ask("textDocument/hover", json!({ "what": 1 }))["code"], -32602);
     assert_eq!(editor.at("textDocument/hover", "never-opened.sim", 3, 4), Value::Null);
     editor.tell("textDocument/didOpen", json!({ "no": "document" }));
-    // A TOML file that is not eyesim's gets no diagnostics.
+    // A TOML file that is not for eyesim gets no diagnostics.
     editor.open("Cargo.toml", "[package]\nname = 1\n");
     assert_eq!(editor.diagnostics_of("Cargo.toml"), Vec::<Value>::new());
     editor.open("ü b.wld", "floor 1 1\nwörld 𝒜 1\n");
     assert_eq!(editor.diagnostics_of("ü b.wld").len(), 1);
     assert!(editor.at("textDocument/completion", "ü b.wld", 999, 999).is_array());
-    // Without `shutdown` the exit code says so, by the protocol.
+    // Without `shutdown` the protocol requires a failure as the exit code.
     editor.tell("exit", Value::Null);
     assert_eq!(editor.server.wait().expect("it ends").code(), Some(1));
 }

@@ -1,5 +1,6 @@
-//! Programs for EyeSim VR as its users write them by its manual alone, in C and in Python: the lawn in lanes, wall following, DistBug
-//! and lane following. S4 and LabBot run them without a change; true poses say whether they drove as meant.
+//! Programs for EyeSim VR as users write them from its manual alone, in C and in Python: mowing in lanes, wall
+//! following, DistBug and lane following. S4 and LabBot run them unchanged. True poses show whether they drive as
+//! intended.
 #![allow(clippy::disallowed_methods, reason = "distances and angles, compared within centimetres")]
 
 use std::f64::consts::TAU;
@@ -7,10 +8,11 @@ use std::process::Command;
 
 use tests::{Scratch, root};
 
-/// Radii in metres of S4 and LabBot, as their robis say.
+/// Radii of S4 and LabBot in metres, as in their robi files.
 const ROBOTS: [(&str, f64); 2] = [("S4", 0.093), ("LabBot", 0.130)];
 
-/// True poses `[x, y, phi]` of a program of `fixtures/manual` on a robot, every 50 ms; `line` begins the robot's line after its type.
+/// True poses `[x, y, phi]` of a program of `fixtures/manual` on a robot, every 50 ms. `line` is the robot's line after
+/// its type.
 fn drive(program: &str, extension: &str, world: &str, robot: &str, line: &str) -> Vec<[f64; 3]> {
     let scratch = Scratch::new();
     let fixture =
@@ -19,7 +21,7 @@ fn drive(program: &str, extension: &str, world: &str, robot: &str, line: &str) -
     scratch.write(&source, &fixture(&source));
     scratch.write(world, &fixture(world));
     road().save(scratch.path().join("road.png")).expect("a picture");
-    // EyeSim VR runs what is compiled; the simulator compiles the source beside it.
+    // EyeSim VR runs the compiled program; the simulator compiles the source file beside it.
     let run = if extension == "c" { format!("{program}.x") } else { source };
     scratch.write("my.sim", &format!("# {program}\nworld {world}\nsettings VIS TRACE\n{robot} {line} {run}\n"));
     scratch.report("my.sim", &["--until", "240", "--trace", "t.jsonl"], 0);
@@ -29,7 +31,7 @@ fn drive(program: &str, extension: &str, world: &str, robot: &str, line: &str) -
     poses.map(|event| ["x_m", "y_m", "phi_rad"].map(|name| field(event, name))).collect()
 }
 
-/// Runs a program in each language on each robot, and gives the poses with the robot's radius to a check.
+/// Runs a program in each language on each robot, and passes the poses and the robot's radius to a check.
 fn on_each(program: &str, world: &str, line: &str, check: impl Fn(&[[f64; 3]], f64)) {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let has_python = Command::new(&python).arg("--version").output().is_ok_and(|out| out.status.success());
@@ -45,13 +47,14 @@ fn on_each(program: &str, world: &str, line: &str, check: impl Fn(&[[f64; 3]], f
     }
 }
 
-/// Distance from the middle of the road, in metres: a ring of 2.1 m by 1.2 m with round corners, about (1.5, 1.0).
+/// Distance from the middle of the road, in metres. The middle is a rectangle of 2.1 m by 1.2 m with rounded corners,
+/// around (1.5, 1.0).
 fn off_road(x: f64, y: f64) -> f64 {
     let (dx, dy) = ((x - 1.5).abs() - 0.6, (y - 1.0).abs() - 0.15);
     dx.max(0.0).hypot(dy.max(0.0)) + dx.max(dy).min(0.0) - 0.45
 }
 
-/// The floor of `road.wld`, 5 mm a pixel: a dark road of 0.3 m between white lines of 20 mm, grass around it.
+/// The floor of `road.wld`, 5 mm per pixel: a dark road of 0.3 m between white lines of 20 mm, surrounded by grass.
 fn road() -> image::RgbImage {
     image::RgbImage::from_fn(600, 400, |column, row| {
         let off = off_road((f64::from(column) + 0.5) * 0.005, (f64::from(row) + 0.5) * 0.005).abs();
@@ -63,7 +66,7 @@ fn road() -> image::RgbImage {
     })
 }
 
-/// Distance from a point to the next of these segments, in metres.
+/// Distance from a point to the nearest of these segments, in metres.
 fn to_walls([x, y, _]: [f64; 3], corners: &[[f64; 2]]) -> f64 {
     let ends = corners.iter().zip(corners.iter().cycle().skip(1));
     let distances = ends.map(|(a, b)| {
@@ -77,7 +80,7 @@ fn to_walls([x, y, _]: [f64; 3], corners: &[[f64; 2]]) -> f64 {
 #[test]
 fn the_lawn_is_mowed_in_lanes() {
     on_each("lawn", "box.wld", "300 300 90", |poses, radius| {
-        // Squares of 50 mm over which the robot's body has been, of those that it can reach from its corner.
+        // Squares of 50 mm that the robot's body covered, among those that it can reach from its corner.
         let mut squares = 0;
         let mut missed = Vec::new();
         for (column, row) in (0..40).flat_map(|column| (0..40).map(move |row| (column, row))) {
@@ -125,7 +128,7 @@ fn the_wall_is_followed_all_round() {
 fn distbug_goes_round_two_obstacles_to_its_goal() {
     on_each("distbug", "obstacles.wld", "500 1000 0", |poses, _| {
         let [x, y, _] = *poses.last().expect("a pose");
-        // LabBot brushes the boxes: while it slides its odometry errs by some centimetres.
+        // LabBot touches the boxes and slides along them, which makes its odometry wrong by some centimetres.
         assert!((x - 3.5).hypot(y - 1.0) < 0.15, "ends at {x}, {y}");
         for box_x in [1.4, 2.6] {
             let beside = poses.iter().filter(|pose| (pose[0] - box_x).abs() < 0.05);

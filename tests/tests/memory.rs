@@ -1,13 +1,13 @@
-//! Long runs of many robots need no more memory than short ones.
+//! Long runs of many robots use no more memory than short ones.
 //!
-//! `EYESIM_HOUR=1` runs 1,000 robots for an hour of simulated time instead of some robots for some minutes.
+//! `EYESIM_HOUR=1` runs 1,000 robots for an hour of virtual time; by default some robots run for some minutes.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 
 use tests::{Scratch, eyesim_path, write_crowd};
 
-/// Drives about; the first robot prints each minute.
+/// Drives about; the first robot prints a line each minute.
 const PROGRAM: &str = r#"
 #include "eyebot.h"
 static unsigned periods;
@@ -51,7 +51,7 @@ fn resident_memory_stays_within_one_percent_after_the_first_minute() {
     assert!(last * 100 <= first * 101, "{sizes:?} KiB");
 }
 
-/// Resident memory of a process, KiB.
+/// Resident memory of a process, in KiB.
 fn resident_kib(process: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).expect("the process runs");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a process has memory");

@@ -1,6 +1,6 @@
-//! docs/mistakes.md shows the first lines that beginners see after each of their usual mistakes, in every language.
+//! docs/mistakes.md shows the first lines of output that beginners see after common mistakes, in every language.
 //!
-//! `INSTA_UPDATE=always` renews the page.
+//! `INSTA_UPDATE=always` updates the page.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,13 +10,13 @@ use tests::{Scratch, eyesim_path, root};
 
 /// A mistake in one language.
 struct Case {
-    /// What it is, the same in all languages.
+    /// Description of the mistake, the same in all languages.
     mistake: &'static str,
-    /// The program: `mine.c`, `mine.cpp`, `mine.py`, or `mine` for the package in Rust.
+    /// File name of the program: `mine.c`, `mine.cpp`, `mine.py`, or `mine` for the Rust package.
     program: &'static str,
-    /// Text of the program, or of its statements in Rust.
+    /// Text of the program; for Rust its statements.
     text: &'static str,
-    /// The line of the robot, if it is not `S4 500 500 0 PROGRAM`.
+    /// The robot's line in the sim file; by default `S4 500 500 0 PROGRAM`.
     robot: Option<&'static str>,
 }
 
@@ -819,7 +819,7 @@ const CASES: &[Case] = &[
     case("text without an end of line before a break", "mine.py", "print(\"at the start\", end=\"\")\nprint(1 // 0)\n"),
 ];
 
-/// Name and version of a tool, without the last number: `gcc 12`, `Python 3.11`.
+/// Name of a tool and its version without the last number: `gcc 12`, `Python 3.11`.
 fn version(tool: &str) -> String {
     let output = Command::new(tool).arg("--version").output().expect("the tool runs");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -830,10 +830,10 @@ fn version(tool: &str) -> String {
     format!("{name} {}", number.split('.').take(kept).collect::<Vec<_>>().join("."))
 }
 
-/// The program that `text` stands for, in the folder of a run.
+/// Writes the program for `text` into the folder of a run.
 fn write(scratch: &Scratch, case: &Case) {
     let bytes = |text: &str| match case.mistake {
-        // Each of its letters is the byte of the same number.
+        // Each letter becomes the byte with the same number.
         "letters of Latin-1" => text.chars().map(|letter| u8::try_from(u32::from(letter)).expect("Latin-1")).collect(),
         _ => text.as_bytes().to_vec(),
     };
@@ -850,17 +850,18 @@ fn write(scratch: &Scratch, case: &Case) {
     fs::write(scratch.path().join("mine/src/lib.rs"), bytes(&text)).expect("the program");
 }
 
-/// The first lines that a run shows: those up to the one that names a place in the program or the scene, if there is such a line.
+/// The first lines of a run's output: up to the line that names a location in the program or the scene, if there is
+/// one.
 fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let robot = case.robot.map_or(format!("S4 500 500 0 {}", case.program), str::to_owned);
     scratch.write("scene.sim", &format!("world %sim%/worlds/empty.wld\n{robot}\n"));
     write(scratch, case);
-    // Both streams into one pipe, as on a terminal.
+    // Both streams go into one pipe, like on a terminal.
     let line = format!("'{}' run scene.sim --timeout 0.5 2>&1", eyesim_path().display());
     let output = Command::new("sh").args(["-c", &line]).current_dir(scratch.path()).output().expect("sh runs");
     let folder = scratch.path().display().to_string();
     let printed = String::from_utf8_lossy(&output.stdout).replace(&folder, "FOLDER");
-    // Not the note on the generation, the table's head and robot, and what a traceback has above its last line.
+    // Skips the note on the generation, the head and the robot's row of the table, and the upper part of a traceback.
     let is_message = |line: &&str| {
         let note = [": RoBIOS-7 (", ": RoBIOS 6 ("].iter().any(|note| line.contains(note))
             || line.contains(", as the sim file is; ");
@@ -872,13 +873,13 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
         !note && !table && !traceback
     };
     let lines: Vec<&str> = printed.lines().filter(is_message).collect();
-    // Python prints the location above the message, the innermost last.
+    // Python prints the locations before the message, the innermost location last.
     let is_place = |line: &&&str| line.contains(" s]   File ");
     if let Some(message) = lines.iter().position(|line| !is_place(&line)).filter(|index| *index > 0) {
         return lines[message - 1..=message].join("\n");
     }
     let first = lines.first().copied().unwrap_or_default();
-    // Behind what the program prints, or a hint, comes how it ends.
+    // The program's end follows its output or a hint.
     if first.starts_with("[r1 ") {
         let lines: Vec<&str> = lines
             .iter()
@@ -888,7 +889,7 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
             .collect();
         return lines.join("\n");
     }
-    // Behind the line that names the program comes the compiler's first message.
+    // The compiler's first message follows the line that names the program.
     let is_error = |line: &&&str| {
         let words = ["error: ", "error[", "did you mean", "--> "];
         words.iter().any(|word| line.contains(word)) && !line.starts_with("collect2")

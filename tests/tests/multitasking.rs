@@ -1,4 +1,4 @@
-//! Multi-tasking of RoBIOS 6: the schedule is the same for all slot lengths, thread counts and executors.
+//! Multi-tasking of RoBIOS 6: the schedule is equal for all slot lengths, thread counts and executors.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
@@ -18,7 +18,7 @@ fn run_as(name: &str, source: &str, args: &[&str]) -> (Ran, Value) {
     (ran, serde_json::from_str(&scratch.read("r.json")).expect("a report is JSON"))
 }
 
-/// The first lines that every program here needs, so that its own begin at line 4.
+/// Adds the first lines that every program here needs, so that its own lines start at line 4.
 fn with_headers(source: &str) -> String {
     format!("#include \"eyebot.h\"\n#include <stdio.h>\n#include <stdlib.h>\n{}", source.trim_start())
 }
@@ -29,7 +29,7 @@ fn lines_of(ran: &Ran) -> Vec<String> {
     lines.filter_map(|line| Some(line.split_once("] ")?.1.to_owned())).collect()
 }
 
-/// The lines that a program which ends well prints, the same on threads and in a process.
+/// Output lines of a program that ends well, equal on threads and in a process.
 fn output_of(source: &str) -> Vec<String> {
     let [one, other] = ["thread", "process"].map(|exec| {
         let (ran, report) = run_one(source, &["--exec", exec]);
@@ -40,13 +40,13 @@ fn output_of(source: &str) -> Vec<String> {
     one.0
 }
 
-/// The reason that a run which fails gives for the only robot, the same on threads and in a process.
+/// Reason of the only robot in a run that fails, equal on threads and in a process.
 fn reason_of(source: &str) -> String {
     let [one, other] = ["thread", "process"].map(|exec| {
         let (ran, report) = run_one(source, &["--exec", exec]);
         assert_eq!(ran.code, Some(1), "{ran:#?}");
         let reason = report["robots"][0]["reason"].as_str().unwrap_or_else(|| panic!("a reason: {ran:#?}"));
-        // The last call is that of the thread, or of the whole process; advice follows it.
+        // The reason contains the last call of the thread, or of the whole process, and then advice; both are removed.
         let reason = reason.split("; put a call").next().unwrap_or_default();
         let reason = reason.split("; a function calls itself").next().unwrap_or_default();
         reason.split(", last RoBIOS call").next().unwrap_or_default().to_owned()
@@ -55,7 +55,7 @@ fn reason_of(source: &str) -> String {
     one
 }
 
-/// The classic example: a master makes three slaves, which pass one semaphore.
+/// The classic example: a master creates three slave tasks that share one semaphore.
 const CLASSIC: &str = "
 #define SSIZE 4096
 struct tcb *slaves[3], *last;
@@ -326,7 +326,7 @@ int main()
         "    printf(\"slept",
         "    /* the worker starves main: main comes back only from here */\n    printf(\"slept",
     );
-    // A killer of priority 8 does what `main` cannot, which the worker starves.
+    // `main` cannot kill the tasks since the worker starves it, so a task of priority 8 kills them.
     let source = source.replace("int main()\n{\n    struct tcb *all[4];", "static struct tcb *all[4];\nstatic void kills()\n{\n    OSSleep(5);\n    printf(\"kills\\n\");\n    printf(\"%d\", OSKill(all[0])); printf(\"%d\", OSKill(all[1])); printf(\"%d\", OSKill(all[3])); printf(\"%d\\n\", OSKill(all[1]));\n    OSReady(all[2]);\n    OSSleep(1);\n    printf(\"passes %d\\n\", OSSemP(&Guard::held));\n}\nint main()\n{")
         .replace("OSPermit();", "OSReady(OSSpawn(\"kills\", kills, 0, 8, 0));\n    OSPermit();");
     for exec in ["thread", "process"] {
@@ -403,7 +403,7 @@ int main()
 
 #[test]
 fn a_task_that_receives_learns_that_the_radio_is_off() {
-    // The task that listens keeps the processor, so it is a timer that switches the radio off.
+    // The listening task keeps the processor, so a timer switches the radio off.
     let source = "
 static void off(void) { RADIOTerm(); }
 static void listen(void)
@@ -486,7 +486,7 @@ int main(void)
                     at prog.c:5; \
                     task `right` waits for semaphore 1 (made at prog.c:10), last passed by task `left` (prog.c:5), since 0.101 s \
                     at prog.c:6";
-    // The robot drives in a circle for ever; the deadlock is still reported at once.
+    // The robot drives in a circle forever; the deadlock is reported at once all the same.
     assert_eq!(reason_of(source), expected);
 }
 

@@ -1,5 +1,6 @@
-//! Every name of the headers of both generations and of `eye.py`, in programs that are generated from the signatures: each
-//! function is called once in each form that EyeSim VR allows, each constant and type is used. A name that fails is reported.
+//! Every name of the headers of both generations and of `eye.py`, in programs generated from the signatures. They call
+//! each function once in each form that EyeSim VR allows, and use each constant and type. The test reports names that
+//! fail.
 
 use std::collections::BTreeSet;
 
@@ -8,8 +9,8 @@ use robios_sys::table::Function;
 use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 use tests::{Ran, Scratch};
 
-/// Functions of the headers of RoBIOS-7 of all years, in an order in which each has what it needs. Names of parameters select the
-/// arguments.
+/// Functions of the RoBIOS-7 headers of all years, ordered so that each finds its prerequisites. Parameter names select
+/// the arguments.
 const FUNCTIONS_7: &str = "
 int LCDPrintf(const char *format); int LCDSetPrintf(int row, int column, const char *format); int LCDClear(void);
 int LCDSetPos(int row, int column); int LCDGetPos(int *row, int *column); int LCDSetColor(COLOR fg, COLOR bg);
@@ -64,14 +65,14 @@ void SIMSetPose(int x, int y, int phi); int LCDPixelInvert(int x, int y); int LC
 int LCDAreaInvert(int x1, int y1, int x2, int y2); int LCDCircleInvert(int x1, int y1, int size); int LCDInit(void);
 ";
 
-/// Functions of RoBIOS-7 that are in no `eye.py`.
+/// Functions of RoBIOS-7 that no `eye.py` contains.
 const ONLY_C_7: &str = "
 int MTInit(void); int MTSleep(int n); int SEMAInit(sema, int n); int SEMALock(sema); int SEMAUnlock(sema); int XInitThreads(void);
 int LCDList(menu); int LCDSetList(menu); listmenu_t *LCDGetList(void); menuitem_t *LCDListActiveItem(void);
 char *OSExecute(char *command); int MTGetUID(TASK task); int MTKill(TASK task);
 ";
 
-/// Functions of RoBIOS 6, in an order in which each has what it needs.
+/// Functions of RoBIOS 6, ordered so that each finds its prerequisites.
 const FUNCTIONS_6: &str = "
 char *OSVersion(void); int OSError(char *msg, int number, BOOL zero); int OSMachineType(void); int OSMachineSpeed(void);
 char *OSMachineName(void); unsigned char OSMachineID(void); int OSDisable(void); int OSEnable(void); int OSPutVar(int num, int value);
@@ -134,7 +135,7 @@ int OSReschedule(void); int OSSuspend(struct tcb *task); int OSRun(struct tcb *t
 int OSKill(struct tcb *task); int OSPanic(unread); int OSExit(unread);
 ";
 
-/// What the task of the program of RoBIOS 6 does.
+/// The task of the RoBIOS 6 program.
 const TASK_6: &str = "static void code(void) { OSReschedule(); while (1) OSYield(); }\n";
 
 /// Constants that the sources name.
@@ -159,10 +160,10 @@ const CONSTANTS_6: &str = "TRUE FALSE imagecolumns imagerows PSD_FRONT PSD_LEFTD
 const TYPES_6: &str = "BYTE BOOL image colimage DeviceSemantics MotorHandle QuadHandle ServoHandle PSDHandle VWHandle BumpHandle \
     IRHandle TimerHandle meterPerSec radPerSec meter radians PositionType SpeedType TypeID RadioIOParameters RadioStatus";
 
-/// Functions whose result is not 0, though all is well.
+/// Functions that return a value other than 0 on success.
 const NOT_ZERO: &[&str] = &["KEYReadXY", "OSExecute", "AUPlay", "ANALOGRecord", "IRTVFlush", "USRResident"];
 
-/// A function of a header: its name, the type of its result, and the kinds and names of its parameters.
+/// A function of a header: its name, return type, and the types and names of its parameters.
 struct Signature {
     name: &'static str,
     returns: &'static str,
@@ -185,7 +186,7 @@ fn signatures(text: &'static str) -> Vec<Signature> {
     text.split(';').filter_map(signature).collect()
 }
 
-/// A whole number that the parameter of this name takes.
+/// An integer that is valid for the parameter with this name.
 fn number(name: &str) -> i32 {
     match name {
         "zero" | "closed" | "fill" | "tilt" | "z" | "font" => 0,
@@ -207,7 +208,7 @@ fn number(name: &str) -> i32 {
     }
 }
 
-/// A program, and for each of its lines the name that it uses.
+/// A program, and the name that each of its lines uses.
 #[derive(Default)]
 struct Program {
     text: String,
@@ -223,8 +224,8 @@ impl Program {
         }
     }
 
-    /// Runs the program and asserts that it has used all names; reports those that failed: by what it prints, or by the lines that a
-    /// compiler's message or the report of a fault names.
+    /// Runs the program and asserts that all names work. Its failures are in its output, or in the line numbers of a
+    /// compiler's message or a crash report.
     fn run(&self, file: &str, sim: &str, args: &[&str]) -> Ran {
         let scratch = Scratch::new();
         scratch.write(file, &self.text);
@@ -250,7 +251,7 @@ impl Program {
     }
 }
 
-/// Whether the list of functions says that the function returns 0 where nothing fails.
+/// Returns true if the documentation of the function promises 0 on success.
 fn returns_zero(functions: &[&Function], name: &str) -> bool {
     let is_zero = |function: &&&Function| {
         function.name == name && ["Returns 0.", "Returns 0,"].iter().any(|text| function.doc.concat().contains(text))
@@ -268,7 +269,7 @@ fn functions_6() -> Vec<&'static Function> {
 
 // ---- C and C++ ----
 
-/// Argument passed by a C program: of the declared type, or one that C converts to it.
+/// Argument that a C program passes: of the declared type, or of a type that C converts to it.
 fn argument_in_c(kind: &str, name: &str, is_loose: bool) -> String {
     let pick = |strict: &str, loose: &str| if is_loose { loose } else { strict }.to_owned();
     let whole = number(name);
@@ -324,7 +325,7 @@ fn argument_in_c(kind: &str, name: &str, is_loose: bool) -> String {
     }
 }
 
-/// Variable that keeps the result of a function for those that follow.
+/// Variable that keeps the result of a function for later calls.
 fn kept(name: &str) -> Option<&'static str> {
     let pairs = [
         ("OSAttachTimer", "timer"),
@@ -360,7 +361,7 @@ fn call_in_c(signature: &Signature, functions: &[&Function], is_loose: bool) -> 
     }
 }
 
-/// Uses each constant where C wants one that is known at compile time.
+/// Uses each constant where C requires a compile-time constant.
 fn add_constants(program: &mut Program, constants: impl IntoIterator<Item = &'static str>) {
     for name in constants.into_iter().collect::<BTreeSet<_>>() {
         program.add(name, &format!("enum {{ use_{name} = (int){name} }};"));
@@ -477,20 +478,20 @@ fn every_function_of_our_lists_is_used() {
 
 // ---- Python ----
 
-/// Forms of arguments; the last two need numpy.
+/// Types of arguments; the last two need numpy.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
-    /// Numbers and texts of Python; what C writes through pointers is returned.
+    /// Numbers and texts of Python; outputs are returned instead of written through pointers.
     Plain,
-    /// Values of ctypes, references and arrays.
+    /// ctypes values, references and arrays.
     Ctypes,
-    /// Other values of ctypes, pointers.
+    /// ctypes values of another kind, and pointers.
     Pointer,
     /// Lists and bytes.
     List,
-    /// Arrays and numbers of numpy.
+    /// numpy arrays and numbers.
     Numpy,
-    /// Pointers to arrays of numpy.
+    /// Pointers to numpy arrays.
     NumpyPointer,
 }
 
@@ -601,7 +602,7 @@ fn argument_in_python(role: Role, name: &str, form: Form) -> String {
     }
 }
 
-/// Uses of results that those of EyeSim VR allow.
+/// Operations that must work with results, since they work with those of EyeSim VR.
 const USES: &str = r#"
 from eye import *
 import eye, json, math, struct, sys
@@ -681,7 +682,7 @@ fn program_in_python() -> Program {
     program
 }
 
-/// Calls a function in each form, and uses its result.
+/// Calls a function with each type of argument, and uses its result.
 fn add_python_calls(program: &mut Program, signature: &Signature) {
     let Signature { name, returns, parameters } = signature;
     let roles: Vec<(Role, &str)> = parameters.iter().map(|(kind, name)| (role(kind, name), *name)).collect();
@@ -701,7 +702,8 @@ fn add_python_calls(program: &mut Program, signature: &Signature) {
             (true, Some(Role::OutNumber(_))) if *name == "KEYReadXY" => "assert r is None or len(r) == 2".to_owned(),
             (true, Some(Role::OutNumber(_))) if *name == "RADIOCheck" => "number(r)".to_owned(),
             (true, _) if *name == "RADIOReceive" => "number(r[0]), text(r[1])".to_owned(),
-            // Four numbers where it is unpacked into four names, as tested below; else those of EyeSim VR.
+            // `SIMGetObject` returns four numbers if it is unpacked into four names (tested below), otherwise three as
+            // in EyeSim VR.
             (true, Some(Role::OutNumber(_))) if *name == "SIMGetObject" => "values(r, 3)".to_owned(),
             (true, Some(Role::OutNumber(_))) => format!("values(r, {})", outs.len()),
             (true, Some(Role::OutText)) if *name == "SERReceive" => "r.decode()".to_owned(),

@@ -1,13 +1,13 @@
-//! Noise as seen by programs: readings of devices are independent, and wrong profiles are refused with their location.
+//! Noise in programs: readings of devices are independent, and wrong profiles are rejected with their location.
 #![allow(clippy::disallowed_methods, reason = "compared within tolerances")]
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Reads two PSDs, a sonar, the compass and the scanner while it drives a circle whose noise it feels.
+/// Reads two PSDs, a sonar, the compass and the scanner while it drives in a noisy circle.
 ///
-/// Its arguments set how often it reads each of them in a cycle, and if the order is reversed. The values of a
-/// cycle are printed after all have been read, in an order of their own.
+/// The arguments set the number of readings of each device per cycle, and a reversed order. After all readings of a
+/// cycle the program prints them, in a fixed order.
 const LOOK: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,7 +39,7 @@ int main(int argc, char *argv[])
 }
 "#;
 
-/// Drives two legs and prints each scan and its odometry.
+/// Drives two legs of a path and prints each scan and its odometry.
 const SCAN: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 
@@ -64,7 +64,7 @@ int main(void)
 }
 "#;
 
-/// Two chambers of 2 m x 3 m, without sight from one to the other.
+/// Two chambers of 2 m x 3 m that are not visible from each other.
 const ROOM: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\n2000 0 2000 3000\n";
 
 const BODY: &str = "diameter 180\nspeed 600\nturn 300\naxis 0\nwheel 54 3600 1100 90\n\
@@ -73,7 +73,7 @@ const PSDS: &str = "psd PSD_FRONT -200 60 0 30 0\npsd PSD_LEFT -201 0 60 30 90\n
 const COMPANION: &str = "[psd]\nrange_mm = 3500\n[compass]\nnorth_deg = 90\n[[sonar]]\nname = \"SONAR\"\nid = 40\nz_mm = 100\n\
                          [lidar]\npoints = 16\nrange_mm = 4000\n";
 
-/// A scene with robot 1 of the type `first` in the left chamber and robot 2 of the same devices in the right one.
+/// A scene with robot 1 of the type `first` in the left chamber, and robot 2 with the same devices in the right one.
 fn scene(noise: &str, arguments: &str, more: &str) -> String {
     format!(
         "[world]\nfile = \"room.wld\"\n[scene]\nnoise = {noise}\nuntil_s = 13\n\
@@ -94,7 +94,7 @@ fn write(scratch: &Scratch) {
     scratch.write("a.scene.toml", &scene("\"harsh\"", "", ""));
 }
 
-/// Trace lines of each robot, from robot 1 on.
+/// Trace lines of each robot, starting with robot 1.
 fn run(scratch: &Scratch, args: &[&str]) -> Vec<Vec<String>> {
     let args = [&["--trace", "t.jsonl"], args].concat();
     let report = scratch.report("a.scene.toml", &args, 0);
@@ -142,7 +142,7 @@ fn another_sensor_changes_no_reading_of_any_other() {
     write(&scratch);
     let before = run(&scratch, &[]);
     for (robi, companion) in [
-        // Before the others and behind them, of every kind.
+        // New sensors of every kind, before and after the existing ones.
         (format!("name first\npsd PSD_RIGHT -202 0 -60 30 -90\n{PSDS}{BODY}"), COMPANION.to_owned()),
         (format!("name first\n{PSDS}psd PSD_BACK -203 -60 0 30 180\n{BODY}"), COMPANION.to_owned()),
         (
@@ -165,7 +165,7 @@ fn another_robot_changes_no_reading_of_the_others() {
     let scratch = Scratch::new();
     write(&scratch);
     let before = run(&scratch, &[]);
-    // Walled in, out of sight.
+    // Walls around the place of the new robot, so that no other robot can see it.
     scratch.write("room.wld", &format!("{ROOM}2000 2500 2500 2500\n2500 2500 2500 3000\n"));
     let walled = run(&scratch, &[]);
     let third = "[[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\nx_mm = 2250\ny_mm = 2750\n";
@@ -219,7 +219,7 @@ fn threads_and_slots_and_repetition_change_nothing() {
     for threads in ["1", "2", "8", "8", "64"] {
         assert_eq!(run(&scratch, &["--threads", threads]), first, "{threads} threads");
     }
-    // Alone with the walls, the length of a slot changes nothing either; poses are recorded at its end.
+    // A robot that sees only walls gets equal readings for every slot length; poses are recorded at the ends of slots.
     scratch.write("a.scene.toml", &scene("\"harsh\"", "", ""));
     let of = |slot| run(&scratch, &["--slot", slot]).iter().map(|lines| printed(lines)).collect::<Vec<_>>();
     let printed = of("50");
@@ -309,7 +309,7 @@ fn robots_come_back_the_less_exactly_the_greater_their_errors_are() {
     let off: Vec<f64> = robots.iter().zip(starts).map(|(robot, start)| off(robot, start)).collect();
     assert!(off[0] < 1e-9 && off.is_sorted(), "{off:?}");
     assert!(off[1] > 1e-4 && off[2] > 0.01 && off[3] > 0.1, "{off:?}");
-    // Odometry is not affected.
+    // The odometry is not affected.
     for robot in robots {
         assert!(length(number(robot, "odometry.x_m"), number(robot, "odometry.y_m")) < 0.1, "{robot:#}");
         assert_eq!(robot["contacts"], 0);
@@ -348,7 +348,8 @@ fn drives_miss_their_targets_within_the_bounds_of_a_course_and_odometry_tells_it
     assert_ne!(run(&["--noise", "course", "--seed", "2"]).0, first);
     assert_ne!(first, exact);
     assert_eq!(run(&["--noise", "course", "--seed", "1", "--slot", "7"]).0, first, "for every slot length");
-    // The sides of a pentagon are off by 4 mm and their directions by 2, 4, 6, 8 degrees at the most: 5 * 4 + 300 * sin(2 + 4 + 6 + 8).
+    // The sides of a pentagon have errors of at most 4 mm, and their directions of at most 2, 4, 6 and 8 degrees: 5 * 4
+    // + 300 * sin(2 + 4 + 6 + 8).
     let off = |what: &str| (number(&robot, &format!("{what}.x_m")), number(&robot, &format!("{what}.y_m")));
     let ((x, y), (odometry_x, odometry_y)) = (off("pose"), off("odometry"));
     assert!((x - 2.0).hypot(y - 2.0) < 0.02 + 0.3 * 20_f64.to_radians().sin(), "{robot:#}");

@@ -1,4 +1,5 @@
-//! Movable objects in whole runs: a goal is shot, crates are pushed or stall the wheels, with the record of it.
+//! Movable objects in whole runs: a ball is kicked into a goal, and crates are pushed or stall the wheels. The trace
+//! records these events.
 
 #![allow(clippy::disallowed_methods, reason = "distances by hand, compared within a tolerance")]
 
@@ -18,7 +19,7 @@ fn ball(report: &Value) -> [f64; 2] {
 fn the_ball_is_kicked_into_the_goal() {
     let report = soccer(&[]);
     let [x, y] = ball(&report);
-    // All of it behind the goal line at 2.6 m, between the posts.
+    // The whole ball is behind the goal line at 2.6 m, between the posts.
     assert!(x > 2.65 && (0.45..0.95).contains(&y), "the ball lies at {x} {y}");
     let robots = report["robots"].as_array().expect("a report has robots");
     assert_eq!(robots.len(), 4);
@@ -31,7 +32,7 @@ fn the_ball_is_kicked_into_the_goal() {
     }
     for slot in ["1", "7.3", "20"] {
         let [other_x, other_y] = ball(&soccer(&["--slot", slot]));
-        // Measured: the same place to the bit.
+        // A measurement gave the same position to the bit.
         let off = ((other_x - x).powi(2) + (other_y - y).powi(2)).sqrt();
         assert!(off < 0.001, "slots of {slot} ms: {other_x} {other_y} for {x} {y}");
     }
@@ -67,7 +68,7 @@ fn a_light_crate_moves_and_a_heavy_one_stalls_the_wheels() {
         assert_eq!(lcd.trim(), format!("stalled {is_stalled}"), "{report:#}");
         let pushed = number(&report["objects"][0], "pose.x_m") - 0.7;
         if is_stalled == "0" {
-            // 0.6 m driven, 0.16 m to the crate.
+            // The robot drives 0.6 m, of which 0.16 m lead to the crate.
             assert!((pushed - 0.44).abs() < 0.01, "{pushed}");
         } else {
             assert!((0.0..0.01).contains(&pushed), "{pushed}");
@@ -92,6 +93,6 @@ fn a_fixed_object_is_a_wall() {
     let report = scratch.report("push.sim", &[], 0);
     assert_eq!(report["objects"], Value::Array(vec![]));
     assert_eq!(report["robots"][0]["lcd"][0].as_str().expect("a line").trim(), "stalled 1");
-    // Stopped at 0.56 m, and back by 0.1 m.
+    // The robot stops at 0.56 m and drives back by 0.1 m.
     assert!((number(&report["robots"][0], "pose.x_m") - 0.46).abs() < 1e-3, "{report:#}");
 }

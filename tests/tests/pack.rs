@@ -1,4 +1,4 @@
-//! Archives: the same digests elsewhere, without the files that were packed; archives that cannot be trusted.
+//! Archives: equal digests on another machine without the packed files, and archives that cannot be trusted.
 
 use serde_json::Value;
 use tests::{Scratch, root};
@@ -33,7 +33,7 @@ fn report(scratch: &Scratch, args: &[&str]) -> Value {
     serde_json::from_str(&scratch.read("r.json")).expect("a report")
 }
 
-/// A folder with nothing but this file of `from`.
+/// Creates a folder that contains only this file of `from`.
 fn elsewhere(from: &Scratch, name: &str) -> Scratch {
     let scratch = Scratch::new();
     std::fs::copy(from.path().join(name), scratch.path().join(name)).expect("a copy");
@@ -67,7 +67,7 @@ fn a_packed_suite_has_the_same_rows_elsewhere() {
     };
     assert_eq!(digests(&here), digests(&there));
     assert_eq!(digests(&here).len(), 6);
-    // No file is left of the archive and of the processes.
+    // No temporary file of the archive or of the processes remains.
     let temporary = tempfile::tempdir().expect("a folder");
     let other = elsewhere(&course, "lab.zip");
     let ran =
@@ -124,7 +124,7 @@ fn programs_of_checks_are_packed_and_run_if_they_may() {
     assert_eq!(report(&here, &["run", "lab.zip", "--allow-execute"])["checks"][0]["passed"], true);
 }
 
-/// Archives hold no rights, owners or paths of the machine that wrote them.
+/// Archives contain no permissions, owners or paths of the machine on which they were written.
 #[test]
 fn another_user_gets_the_same_digest() {
     let is_root = std::process::Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n");
@@ -136,7 +136,7 @@ fn another_user_gets_the_same_digest() {
     let course = course();
     let there = report(&course, &["run", "course/lab/lab.scene.toml", "--noise", "real"]);
     assert_eq!(course.eyesim(&["pack", "course/lab/lab.scene.toml", "-o", "lab.zip"]).code, Some(0));
-    // A place that every user reaches, with a copy of the binary.
+    // A folder that every user can access, with a copy of the binary.
     let folder = tempfile::Builder::new().prefix("eyesim-other-user-").tempdir_in("/tmp").expect("a folder");
     let all = std::os::unix::fs::PermissionsExt::from_mode(0o777);
     std::fs::set_permissions(folder.path(), all).expect("rights");

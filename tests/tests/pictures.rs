@@ -1,9 +1,9 @@
-//! The pictures of docs/camera.md are those that its commands write.
+//! The pictures of docs/camera.md equal the output of the page's commands.
 
 use tests::{Scratch, root};
 
-/// Mean difference in levels up to which two pictures count as one: a better filter or edge changes less, anything that moves
-/// more.
+/// Maximum mean difference, in levels, of pictures that count as equal. A better filter or edge changes less; anything
+/// that moves changes more.
 const SAME: f64 = 0.5;
 
 #[test]

@@ -1,4 +1,4 @@
-//! `eyesim plot`: pictures of files.
+//! `eyesim plot` draws pictures of files.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ fn a_sim_is_drawn_with_walls_robots_beams_and_programs() {
     let svg = scratch.read("scene.svg");
     assert_eq!(count(&svg, "stroke=\"#333333\" stroke-width=\"8\""), 4 + 1, "walls, and one in the legend");
     for (colour, name) in [("#0072B2", "r1 Bot drive.c"), ("#D55E00", "r2 Bot wait.c"), ("#009E73", "r3 Bot drive.c")] {
-        // Body and its outline, twice: in the world and in the legend.
+        // The body and its outline appear twice: in the world and in the legend.
         assert_eq!(count(&svg, &format!("fill=\"{colour}\" stroke=\"none\"")), 2, "{name}");
         assert!(svg.contains(&format!("\n{name}\n")), "{name}");
     }
@@ -45,7 +45,7 @@ fn a_sim_is_drawn_with_walls_robots_beams_and_programs() {
 #[test]
 fn pictures_are_to_scale_and_of_the_size_asked_for() {
     let scratch = Scratch::new();
-    // A long corridor, one wall with a thickness and a colour.
+    // A long corridor; one wall has a thickness and a colour.
     scratch.write("hall.wld", "floor 12000 2000\n0 0 12000 0\n0 0 0 2000\n3000 500 5000 500 400 200 200 30 30\n");
     assert_eq!(plot(&scratch, "hall.wld", "hall.svg", &["--size", "1400x700", "--title", "A <hall>"]).code, Some(0));
     let svg = scratch.read("hall.svg");
@@ -61,7 +61,7 @@ fn pictures_are_to_scale_and_of_the_size_asked_for() {
         .filter(|element| element.contains("stroke=\"#333333\" stroke-width=\"8\""))
         .map(length)
         .collect();
-    // 12 m and 2 m; the last is that of the legend. Two units are half a pixel.
+    // The walls are 12 m and 2 m long. The last one is in the legend. Two units are half a pixel.
     assert!((walls[0] - 6.0 * walls[1]).abs() <= 12.0, "{walls:?}");
     let thick = svg.split('<').find(|element| element.contains("fill=\"#C81E1E\"")).expect("the red wall");
     let sides = length(thick);
@@ -70,7 +70,7 @@ fn pictures_are_to_scale_and_of_the_size_asked_for() {
 
     assert_eq!(plot(&scratch, "hall.wld", "hall.png", &["--size", "1400x700"]).code, Some(0));
     assert_eq!(png_size(&scratch.path().join("hall.png")), (1400, 700));
-    // By itself a corridor gets a long picture.
+    // The default picture of a corridor is long.
     assert_eq!(plot(&scratch, "hall.wld", "long.png", &[]).code, Some(0));
     let (width, height) = png_size(&scratch.path().join("long.png"));
     assert!(width > 2 * height, "{width} x {height}");
@@ -79,7 +79,7 @@ fn pictures_are_to_scale_and_of_the_size_asked_for() {
 #[test]
 fn an_image_on_the_floor_and_a_mesh_are_shown() {
     let scratch = Scratch::new();
-    // One red pixel as a bmp.
+    // A BMP file of one red pixel.
     let mut bmp =
         b"BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x01\0\0\0\x01\0\0\0\x01\0\x18\0\0\0\0\0\x04\0\0\0".to_vec();
     bmp.extend([0; 16]);
@@ -131,7 +131,7 @@ fn what_cannot_be_done_is_said() {
     says("b.wld", "b.svg", &[], &["b.wld", "file-missing"]);
     says("a.doc", "b.svg", &[], &["a.doc", ".robi"]);
     assert!(!scratch.path().join("b.svg").exists(), "nothing is written where there is nothing to draw");
-    // An image may be an input.
+    // The input may be an image.
     scratch.write("t.wld", "floor 1000 1000\nfloor_texture t.png\n");
     std::fs::write(scratch.path().join("t.png"), b"no image").expect("a file");
     says("t.wld", "t.png", &[], &["would overwrite the input"]);

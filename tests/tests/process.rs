@@ -1,4 +1,4 @@
-//! Programs in separate processes: the same digest as on threads, and a fault ends only its own robot.
+//! Programs in separate processes: digests equal those on threads, and a crash ends only its own robot.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tests::{Ran, Scratch, write_crowd, write_scene};
 
-/// Digest and robots of a run with `args`, which ends with `code`.
+/// Runs `sim` with `args`, which must end with `code`; returns the digest and the robots.
 fn run(scratch: &Scratch, sim: &str, args: &[&str], code: i32) -> (Value, Value) {
     let mut report = scratch.report(sim, args, code);
     (report["digest"].take(), report["robots"].take())
 }
 
-/// Runs `sim` on threads and in processes, and checks that all results are equal.
+/// Runs `sim` on threads and in processes, and asserts that all results are equal.
 fn assert_same(scratch: &Scratch, sim: &str, args: &[&str], code: i32) -> Value {
     let on_threads = run(scratch, sim, args, code);
     let in_processes = run(scratch, sim, &[args, &["--exec", "process"]].concat(), code);
@@ -90,7 +90,7 @@ fn timers_keys_console_arguments_exit_codes_and_assertions_are_as_on_threads() {
     for words in ["1 a b", "2 c", "the end", "to standard error"] {
         assert!(said.contains(words), "`{words}`: {said}");
     }
-    // Reason and location of the program's wait are reported as on a thread.
+    // The report gives the reason and location of the program's wait, as on a thread.
     let robots = assert_same(&scratch, "scene.sim", &[], 1);
     let waits = robots[0]["reason"].as_str().expect("a reason");
     assert!(waits.contains("waits for") && waits.contains("prog.c:"), "{waits}");
@@ -119,7 +119,8 @@ fn a_rust_program_that_panics_is_as_on_a_thread() {
     assert!(reason.contains("panicked") && reason.contains("out of bounds"), "{reason}");
 }
 
-/// Runs `source` as robot 2 in processes, between two robots that drive for five seconds; gives the report and what was printed.
+/// Runs `source` as robot 2 in processes, between two robots that drive for five seconds; returns the report and the
+/// output.
 fn break_one(source: &str, args: &[&str]) -> (Value, Ran) {
     let scratch = Scratch::new();
     scratch.write("broken.c", source);
@@ -142,7 +143,7 @@ fn break_one(source: &str, args: &[&str]) -> (Value, Ran) {
     (report, ran)
 }
 
-/// The reason given for robot 2.
+/// The reason of robot 2 in the report.
 fn reason(report: &Value) -> &str {
     report["robots"][1]["reason"].as_str().expect("a reason")
 }
@@ -159,7 +160,7 @@ fn a_null_write_ends_its_robot_alone_and_is_told_with_its_line() {
         assert!(reason(&report).contains(words), "`{words}`: {}", reason(&report));
     }
     assert!((ran.stdout + &ran.stderr).contains("r2"));
-    // Its motors stopped at its last virtual time, 1 s.
+    // The robot's motors stopped at its last virtual time, 1 s.
     let path = tests::number(&report["robots"][1], "path_m");
     assert!((path - 0.1).abs() < 0.002, "{path}");
 }
@@ -229,7 +230,7 @@ fn a_library_that_cannot_be_loaded_is_refused_in_the_same_words() {
     let on_thread = scratch.eyesim(&["run", "scene.sim"]);
     let in_process = scratch.eyesim(&["run", "scene.sim", "--exec", "process"]);
     assert_eq!((on_thread.code, &on_thread.stderr), (Some(1), &in_process.stderr));
-    // A fault before the program begins.
+    // A crash before `main` starts.
     scratch.write("early.c", "#include \"eyebot.h\"\n__attribute__((constructor)) static void f(void) { *(volatile int *)0 = 1; }\nint main(void) { return 0; }\n");
     write_scene(&scratch, &["early.c"]);
     let ran = scratch.eyesim(&["run", "scene.sim", "--exec", "process"]);
@@ -238,7 +239,8 @@ fn a_library_that_cannot_be_loaded_is_refused_in_the_same_words() {
 }
 
 #[allow(clippy::zombie_processes, reason = "the tests wait for it; where they fail, nothing is left to be told")]
-/// A run in real time of `robots` robots that go on for a minute, and the processes of its robots.
+/// Starts a run in real time of `robots` robots whose programs wait for a minute; returns the run and the processes of
+/// its robots.
 fn start(scratch: &Scratch, robots: usize) -> (Child, Vec<u32>) {
     scratch.write("prog.c", "#include \"eyebot.h\"\nint main(void) { OSWait(6000); return 0; }\n");
     write_scene(scratch, &vec!["prog.c"; robots]);
@@ -274,7 +276,7 @@ fn children_of(parent: u32) -> Vec<u32> {
     pids.filter(|pid| stat(*pid).is_some_and(|(_, its_parent)| its_parent == parent)).collect()
 }
 
-/// State and parent of a process, if it is there.
+/// State and parent of a process; `None` if it does not exist.
 fn stat(pid: u32) -> Option<(char, u32)> {
     let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     let mut words = text.rsplit_once(')')?.1.split_whitespace();
@@ -286,11 +288,11 @@ fn kill(signal: &str, pid: u32) {
     assert!(status.expect("kill").success());
 }
 
-/// Waits until none of the processes is there any more.
+/// Waits until none of the processes exists.
 fn assert_gone(pids: &[u32]) {
     let deadline = Instant::now() + Duration::from_secs(20);
     while let Some(pid) = pids.iter().find(|pid| Path::new(&format!("/proc/{pid}")).exists()) {
-        // One whose parent was killed may wait for init to notice.
+        // A process whose parent was killed may remain as a zombie until init collects it.
         if stat(*pid).is_none_or(|(state, _)| state == 'Z') {
             return;
         }

@@ -1,11 +1,11 @@
-//! Programs in Python: RoBIOS-7 through `eye.py`, each in a process of its own, as deterministic as one in C.
+//! Python programs: RoBIOS-7 through `eye.py`, each program in its own process, as deterministic as a C program.
 
 use std::process::Command;
 
 use serde_json::Value;
 use tests::Scratch;
 
-/// Returns true if there is a Python; otherwise prints why the test is skipped.
+/// Returns true if Python is installed; otherwise prints why the test is skipped.
 fn has_python() -> bool {
     let has = Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success());
     if !has {
@@ -14,7 +14,7 @@ fn has_python() -> bool {
     has
 }
 
-/// A room of 4 m by 4 m with robots of these programs, 1 m apart, in a scene `a.sim`.
+/// Writes a scene `a.sim`: a room of 4 m by 4 m with robots 1 m apart that run these programs.
 fn scratch(programs: &[&str]) -> Scratch {
     let scratch = Scratch::new();
     let robot = |(index, program): (usize, &&str)| format!("S4 1000 {} 0 {program}\n", 1000 + 1000 * index);
@@ -24,7 +24,7 @@ fn scratch(programs: &[&str]) -> Scratch {
     scratch
 }
 
-/// Standard output of robot 1, a line each.
+/// Lines of robot 1's standard output.
 fn said(scratch: &Scratch, args: &[&str], code: i32) -> Vec<String> {
     scratch.report("a.sim", &[args, &["--trace", "t.jsonl"]].concat(), code);
     let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == 1;

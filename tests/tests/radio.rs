@@ -1,8 +1,8 @@
-//! The radio: results of calls, waits between robots, and the end of runs.
+//! The radio: results of calls, waits between robots, and the ends of runs.
 
 use std::process::Command;
 
-use tests::radio::{ECHO_7, IS, RECEIVER, SENDER, causes, messages, micros, reasons, row, said, traced};
+use tests::radio::{ECHO_7, IS, RECEIVER, SENDER, causes, messages, micros, printed, reasons, row, traced};
 
 const CODES_6: &str = r#"
 static RadioIOParameters with(int interface, int speed, int id, int remote, int images, int debug)
@@ -108,7 +108,7 @@ fn robios_6_answers_as_documented() {
     scratch.write("echo.c", &format!("{IS}{ECHO_6}"));
     for exec in ["thread", "process"] {
         let (_, trace) = traced(&scratch, &["--exec", exec], 0);
-        assert_eq!([said(&trace, 1), said(&trace, 2)], [["done"], ["done"]]);
+        assert_eq!([printed(&trace, 1), printed(&trace, 2)], [["done"], ["done"]]);
         let hints: Vec<_> =
             trace.iter().filter(|event| event["event"] == "hint").map(|it| it["text"].as_str()).collect();
         let tells = |words: &str| hints.iter().flatten().any(|hint| hint.contains(words));
@@ -180,7 +180,7 @@ fn robios_7_answers_as_documented() {
     scratch.write("echo.c", &format!("{IS}{ECHO_7}"));
     for exec in ["thread", "process"] {
         let (_, trace) = traced(&scratch, &["--exec", exec, "--api", "7"], 1);
-        assert_eq!([said(&trace, 1), said(&trace, 2), said(&trace, 3)], [vec!["done"], vec![], vec![]]);
+        assert_eq!([printed(&trace, 1), printed(&trace, 2), printed(&trace, 3)], [vec!["done"], vec![], vec![]]);
         let reason = &reasons(&scratch)[1];
         assert!(reason.contains("(all programs that have not ended wait for messages from each other)"), "{reason}");
     }
@@ -188,7 +188,7 @@ fn robios_7_answers_as_documented() {
 
 #[test]
 fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
-    // A timer continues while its program waits for a message, and the message is taken at its time.
+    // A timer runs on while its program waits for a message, and the program receives the message at its time.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
     let with_timer = RECEIVER
@@ -197,12 +197,12 @@ fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
         .replace("printf(", "printf(\"%d ticks, \", ticks); printf(");
     scratch.write("receiver.c", &with_timer);
     let (_, trace) = traced(&scratch, &[], 0);
-    assert_eq!(said(&trace, 2), ["36 ticks, 35 bytes from 1: from the sender"]);
+    assert_eq!(printed(&trace, 2), ["36 ticks, 35 bytes from 1: from the sender"]);
     let sent = &messages(&trace)[&(1, 1)];
     let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
     assert_eq!(micros(&received["t_s"]), sent.at + 350_000);
 
-    // Its callback may take a message, but not wait for one.
+    // The timer's callback may receive a message, but must not wait for one.
     let in_callback = "
         #include \"eyebot.h\"
         static void tick(void) { BYTE b[MAXMSGLEN]; RADIORecv(0, 0, b); }
@@ -242,17 +242,17 @@ fn buffers_have_room_for_1024_bytes() {
             printf("%d bytes\n", got);
             return 0;
         }"#;
-    // At 9600 baud a message takes 40.6 ms, a call 0.5 ms: 100 calls end before two are sent.
+    // At 9600 baud a message takes 40.6 ms and a call 0.5 ms, so 100 calls end before two messages are transmitted.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 9600\n");
     scratch.write("sender.c", sender);
     scratch.write("receiver.c", receiver);
     let (_, trace) = traced(&scratch, &[], 0);
     let all = messages(&trace);
-    assert_eq!(said(&trace, 1), [format!("{} sent, {} refused", all.len(), 100 - all.len())]);
+    assert_eq!(printed(&trace, 1), [format!("{} sent, {} refused", all.len(), 100 - all.len())]);
     assert!((32..36).contains(&all.len()), "{}", all.len());
     let overflows = all.len() - 32;
     assert_eq!(causes(&trace), vec!["overflow"; overflows]);
-    assert_eq!(said(&trace, 2), ["32 wait", "1024 bytes"]);
+    assert_eq!(printed(&trace, 2), ["32 wait", "1024 bytes"]);
 }
 
 #[test]
@@ -290,7 +290,8 @@ fn who_waits_for_whom_is_told() {
 
 #[test]
 fn the_radio_ends_with_its_program() {
-    // The first ends while one of its messages is on the air and others wait; the second never hears the third message of the other.
+    // The first program ends while one of its messages is being transmitted and others wait. The second robot never
+    // receives the third message.
     let hasty = "
         #include \"eyebot.h\"
         int main(void)
@@ -333,7 +334,7 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
     let (time, arrived, loss) = &messages(&trace)[&(1, 1)].fates[&2];
     assert_eq!((*time, loss.as_deref()), (200_000, Some("end")));
     assert!(*arrived > 350_000, "{arrived}");
-    // The program of the receiver ends first: the message has no live receiver.
+    // The receiver's program ends first, so the message has no receiver whose radio is on.
     scratch.write("receiver.c", "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(20); return 0; }");
     let (_, trace) = traced(&scratch, &[], 0);
     let (_, _, loss) = &messages(&trace)[&(1, 1)].fates[&2];
@@ -342,7 +343,7 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
 
 #[test]
 fn a_flood_of_messages_stays_in_bounds() {
-    // Empty ones take no room but that of their headers.
+    // Empty messages take only the space of their headers.
     let flood = r#"
         #include "eyebot.h"
         #include <stdio.h>
@@ -360,11 +361,11 @@ fn a_flood_of_messages_stays_in_bounds() {
     scratch.write("flood.c", flood);
     scratch.write("deaf.c", deaf);
     let (_, trace) = traced(&scratch, &[], 0);
-    // 70 bits at 115200 baud take 608 us, 100000 calls of 500 us and the start 50.05 s: 82,320 are sent in that time, and 1024
-    // wait. So many wait at the receiver, too.
+    // A message of 70 bits takes 608 us at 115200 baud. The start and 100000 calls of 500 us take 50.05 s. In this time
+    // 82,320 messages are transmitted, and 1024 wait. The receiver also holds 1024 waiting messages.
     let sent = messages(&trace).len();
     assert!((83_200..83_500).contains(&sent), "{sent}");
-    assert_eq!(said(&trace, 1), [format!("{sent} sent")]);
+    assert_eq!(printed(&trace, 1), [format!("{sent} sent")]);
     let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
     let causes = causes(&trace);
     let lost = |cause: &str| causes.iter().filter(|it| *it == cause).count();
@@ -373,7 +374,7 @@ fn a_flood_of_messages_stays_in_bounds() {
 
 #[test]
 fn each_task_of_a_robot_can_wait_for_messages() {
-    // 22 bytes at 1200 baud take 183334 us.
+    // A message of 22 bytes takes 183334 us at 1200 baud.
     let sender = "
         #include \"eyebot.h\"
         int main(void) { RADIOInit(); OSWait(100); RADIOSend(2, \"fifteen letters\"); OSWait(1000); return 0; }";
@@ -406,7 +407,7 @@ fn each_task_of_a_robot_can_wait_for_messages() {
         let sent = &messages(&trace)[&(1, 1)];
         let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
         assert_eq!(micros(&received["t_s"]), sent.at + 183_334);
-        assert_eq!(said(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
+        assert_eq!(printed(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
     }
 }
 
@@ -431,10 +432,10 @@ print(RADIORelease(), RADIORelease())
     scratch.write("echo.c", &format!("{IS}{ECHO_7}"));
     let (_, trace) = traced(&scratch, &[], 1);
     assert_eq!(
-        said(&trace, 1),
+        printed(&trace, 1),
         ["1 (0, '') 0 []", "0 1 1", "[1, 2] 0 0 1", "2 (2, 'hello') (2, 'by')", "0 1"],
         "{:?}",
-        said(&trace, 1)
+        printed(&trace, 1)
     );
 }
 

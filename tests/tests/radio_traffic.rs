@@ -1,12 +1,12 @@
-//! Radio traffic: arrival times and fates of messages, equal for all ways to run a scene.
+//! Radio traffic: arrival times and fates of messages, equal for all executors, thread counts and slot lengths.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 use tests::Scratch;
-use tests::radio::{RECEIVER, SENDER, causes, integer, messages, micros, row, said, scene, traced};
+use tests::radio::{RECEIVER, SENDER, causes, integer, messages, micros, printed, row, scene, traced};
 
-/// Sends at random and receives; robots 1 and 2 also wait for messages.
+/// Sends and receives at random; robots 1 and 2 also wait for messages.
 const RANDOM_6: &str = r#"
 #include "eyebot.h"
 #include <stdlib.h>
@@ -66,8 +66,8 @@ int main(void)
 }
 "#;
 
-/// Checks a trace of four robots whose radios are on from the start, on a free medium: when messages begin, arrive and can be
-/// seen, that each has a fate at each receiver, and that they are taken in order.
+/// Checks a trace of four robots on a free medium whose radios are on from the start: when each message begins, arrives
+/// and becomes visible, that it has a fate at each receiver, and that messages are received in order.
 fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
     let all = messages(trace);
     let end = micros(&trace.last().expect("events")["t_s"]);
@@ -102,7 +102,7 @@ fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
         let (visible, arrived, loss) = &all[&(from, number)].fates[&robot];
         let received_at = micros(&event["t_s"]);
         assert!(*visible <= received_at && loss.is_none(), "{event}");
-        // A message that arrived before the last one taken cannot have been visible then.
+        // A message that arrived before the previous received one cannot have been visible when that one was received.
         let key = (*arrived, from, number);
         if let Some((before, when)) = last.insert(robot, (key, received_at)) {
             assert!(before < key || *visible > when, "{event} after {before:?}");
@@ -170,13 +170,13 @@ fn the_order_in_which_robots_are_listed_changes_nothing() {
 
 #[test]
 fn a_robot_that_waits_is_woken_within_a_slot_when_its_message_is_visible() {
-    // 42 bytes at 1200 baud take 350 ms.
+    // A message of 42 bytes takes 350 ms at 1200 baud.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
     scratch.write("receiver.c", RECEIVER);
     for slot in ["50", "80", "300"] {
         let (_, trace) = traced(&scratch, &["--slot", slot], 0);
-        assert_eq!(said(&trace, 2), ["35 bytes from 1: from the sender"]);
+        assert_eq!(printed(&trace, 2), ["35 bytes from 1: from the sender"]);
         let sent = &messages(&trace)[&(1, 1)];
         let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
         assert_eq!(sent.begins, Some(sent.at));
@@ -186,7 +186,7 @@ fn a_robot_that_waits_is_woken_within_a_slot_when_its_message_is_visible() {
 
 #[test]
 fn range_and_walls_are_those_at_the_time_of_sending() {
-    // Robot 1 at the left; 2 behind the wall, 3 behind it and far away, 4 beside the wall.
+    // Robot 1 is at the left, 2 behind the wall, 3 behind it and far away, 4 beside the wall.
     let robots = [("sender.c", 1000, 2000), ("wait.c", 2500, 2000), ("wait.c", 3900, 2000), ("wait.c", 2500, 300)];
     let wait = "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(100); return 0; }";
     for (radio, expected) in [
@@ -245,9 +245,9 @@ fn garbled_messages_arrive_garbled_and_lost_ones_do_not() {
     let (_, trace) = traced(&scratch, &[], 0);
     let arrived: Vec<&Value> = trace.iter().filter(|event| event["event"] == "radio_arrived").collect();
     let wrong: i64 = arrived.iter().map(|event| integer(event, "bit_errors")).sum();
-    assert_eq!(said(&trace, 2), [format!("{} {wrong}", arrived.len())]);
+    assert_eq!(printed(&trace, 2), [format!("{} {wrong}", arrived.len())]);
     assert_eq!(causes(&trace).len() + arrived.len(), 500);
-    // Means of 400 and 1024, standard deviations of 9 and 32.
+    // The expected means are 400 and 1024, with standard deviations of 9 and 32.
     assert!((350..450).contains(&arrived.len()) && (850..1200).contains(&wrong), "{} {wrong}", arrived.len());
     let received = trace.iter().filter(|event| event["event"] == "radio_received");
     for (event, arrived) in received.zip(&arrived) {
@@ -264,7 +264,7 @@ fn of_messages_that_meet_in_the_air_none_is_heard() {
         )
     };
     let listener = "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(300); return 0; }";
-    // 10 bytes at 9600 baud take 10.4 ms.
+    // A message of 10 bytes takes 10.4 ms at 9600 baud.
     for (medium, first, second, expected) in [
         ("aloha", 100, 100, vec!["collision"; 2]),
         ("aloha", 100, 110, vec!["collision"; 2]),
@@ -284,7 +284,7 @@ fn of_messages_that_meet_in_the_air_none_is_heard() {
     }
 }
 
-/// Four robots that send at random, on another medium, with errors.
+/// Writes a scene with four robots that send at random on this medium, with transmission errors.
 fn crowd(medium: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");

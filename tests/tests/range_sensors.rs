@@ -1,15 +1,15 @@
-//! Readings of range sensors in programs of both generations and of Python, against closed forms.
+//! Readings of range sensors in programs of both generations and in Python, compared with closed forms.
 #![allow(clippy::disallowed_methods, reason = "distances by hand, compared within millimetres")]
 
 use std::process::Command;
 
 use tests::{Scratch, root};
 
-/// Height of the arm's sensors, in metres.
+/// Height of the sensors on the arm, in metres.
 const HEIGHT: f64 = 0.3;
-/// Distance of the step's face.
+/// Distance of the step's face, in metres.
 const FACE: f64 = 0.5;
-/// Height of the step.
+/// Height of the step, in metres.
 const STEP: f64 = 0.2;
 
 fn scene(name: &str) -> String {
@@ -33,7 +33,8 @@ fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().filter_map(|word| word.trim_end_matches(':').parse().ok()).collect()
 }
 
-/// Hit of the ray inclined down by `down` rad: distance and incidence angle; the end wall is out of range for all.
+/// Distance and incidence angle of the hit of a ray inclined by `down` rad below the horizon. The end wall is out of
+/// range of all sensors.
 fn met(down: f64) -> (f64, f64) {
     let at_face = HEIGHT - FACE * down.tan();
     if at_face > STEP {
@@ -42,7 +43,7 @@ fn met(down: f64) -> (f64, f64) {
     if at_face > 0.0 { (FACE / down.cos(), down) } else { (HEIGHT / down.sin(), std::f64::consts::FRAC_PI_2 - down) }
 }
 
-/// Readings of laser, ultrasonic and reflectance sensor, and the signal of the last.
+/// Readings of the laser, ultrasonic and reflectance sensor, and the signal of the reflectance sensor.
 fn readings(down: f64) -> [f64; 4] {
     let (distance, incidence) = met(down);
     let echo = |[min, max]: [f64; 2], limit: f64| {
@@ -67,7 +68,7 @@ fn assert_sweep(lines: &[String]) {
         let read = numbers(line);
         let expected = readings(arm(read[0]));
         for (read, expected) in read[1..4].iter().zip(&expected) {
-            // Whole millimetres.
+            // Readings are whole millimetres.
             assert!((read - expected).abs() <= 0.501, "{line}: {expected:?}");
         }
         assert!((read[4] - expected[3]).abs() < 0.002, "{line}: {expected:?}");
@@ -79,15 +80,15 @@ fn the_sensors_of_the_paper_see_the_step_as_the_closed_forms_say() {
     let lines = &printed(&Scratch::new(), &scene("step.scene.toml"), &[])[0][1..];
     assert_sweep(lines);
     let column = |at: usize| lines.iter().map(move |line| numbers(line)[at]);
-    // The laser loses the floor beyond 45 degrees, the ultrasonic sensor hears the face of the step alone.
+    // The laser loses the floor beyond 45 degrees of incidence. The ultrasonic sensor hears only the face of the step.
     assert!(column(1).take(6).all(|mm| mm < 500.0) && column(1).skip(6).take(5).all(|mm| mm == 2000.0));
     assert!(column(2).all(|mm| mm == 1000.0 || (500.0..520.0).contains(&mm)));
     assert!(column(2).any(|mm| mm < 1000.0));
-    // Aslant, the reflectance sensor reads too far.
+    // At an oblique surface, the reflectance sensor reads too far.
     assert!(lines.iter().map(|line| numbers(line)).all(|read| read[1] == 2000.0 || read[3] >= read[1]));
 }
 
-/// The step's scene with another program.
+/// Writes the scene of the step with another program.
 fn with_program(scratch: &Scratch, program: &str, text: &str, api: &str) {
     let sim = std::fs::read_to_string(root().join("sims/step.scene.toml")).expect("the scene");
     scratch.write(program, text);
@@ -95,7 +96,7 @@ fn with_program(scratch: &Scratch, program: &str, text: &str, api: &str) {
     scratch.write("step.scene.toml", &sim);
 }
 
-/// Reads all sensors on the arm in one cycle for each position.
+/// For each position of the arm, reads all sensors of the arm in one cycle.
 const SWEEP6: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 int main(void)
@@ -137,7 +138,8 @@ fn python_reads_them() {
     assert_sweep(&printed(&scratch, "step.scene.toml", &[])[0]);
 }
 
-/// A value belongs to the end of its cycle: the arm turns after it, and only the next cycle sees that.
+/// A reading belongs to the end of its cycle. The arm turns after that, so only the next cycle measures the new
+/// position.
 const LATE: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 int main(void)
@@ -167,7 +169,7 @@ fn a_reading_uses_the_angle_at_its_instant() {
     }
 }
 
-/// Wrong handles and numbers, no room, the scanner in RoBIOS 6.
+/// Calls with wrong handles and numbers and too small buffers, and the scanner in RoBIOS 6.
 const EDGES: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 int main(void)
@@ -191,7 +193,7 @@ fn edges_of_our_functions() {
     let scratch = Scratch::new();
     with_program(&scratch, "edges.c", EDGES, "api = 6");
     let lines = printed(&scratch, "step.scene.toml", &[]).remove(0);
-    // The scanner stands 1 m from the walls at its sides, 200 mm high as they are, and as the step ahead of it is.
+    // The scanner is 1 m from the walls at its sides; these and the step ahead are 200 mm high, like the scanner.
     assert_eq!(lines, ["0 -1 -1", "-1 -1 -1", "180 1 -7", "180 1000 500 -7"]);
 }
 
@@ -199,7 +201,7 @@ fn edges_of_our_functions() {
 fn a_sonar_on_a_servo_hears_the_same_from_c_and_from_rust() {
     let scratch = Scratch::new();
     let sim = std::fs::read_to_string(root().join("sims/sonar-sweep.sim")).expect("the scene");
-    // One after the other at the place of the first.
+    // Runs both programs one after the other, each at the first robot's place.
     let [c, rust] = ["sonar-sweep-c", "sonar-sweep "].map(|program| {
         let is_kept = |line: &&str| !line.starts_with("robi") || line.contains(program);
         let lines: Vec<&str> = sim.lines().filter(is_kept).collect();
@@ -208,13 +210,14 @@ fn a_sonar_on_a_servo_hears_the_same_from_c_and_from_rust() {
     });
     assert_eq!(c.len(), 19);
     assert_eq!(c, rust);
-    // The head is 60 mm ahead of the middle; a table stands 340 mm before it, a wall 700 mm to its right.
+    // The sensor head is 60 mm ahead of the robot's middle. A table is 340 mm in front of the head, a wall 700 mm to
+    // its right.
     assert_eq!((numbers(&c[9])[1], numbers(&c[0])[1]), (340.0, 700.0), "{c:?}");
     let both = printed(&scratch, &scene("sonar-sweep.sim"), &[]);
     assert!(both.iter().all(|lines| lines.len() == 19));
 }
 
-/// A robot with 34 range sensors, the PSD and lasers 2 to 34, which runs `program`.
+/// Writes a scene with a robot that has 34 range sensors, the PSD and lasers 2 to 34, and runs `program`.
 fn many_sensors(scratch: &Scratch, program: &str, api: &str) {
     with_program(scratch, "many.c", &format!("#include \"eyebot.h\"\n#include <stdio.h>\n{program}"), api);
     let sim = scratch.read("step.scene.toml");

@@ -1,4 +1,4 @@
-//! The README's programs behave as stated there.
+//! The README's programs behave as described there.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ fn block(language: &str) -> String {
     rest.split_once("\n```").expect("a block ends").0.to_owned() + "\n"
 }
 
-/// Result of robot 1 at the end of the README's scene with this program.
+/// Checks the final state of robot 1 in the README's scene.
 fn check(report: &serde_json::Value) {
     let robot = &report["robots"][0];
     assert!((number(robot, "pose.x_m") - 3.3).abs() < 1e-6, "drove half a metre: {robot:#}");

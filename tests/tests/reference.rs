@@ -1,11 +1,11 @@
-//! The examples of the references print what their comments say, in C and in Python.
+//! The examples in the references print the output in their comments, in C and in Python.
 
 use std::collections::BTreeMap;
 use std::fs;
 
 use tests::{Scratch, root};
 
-/// Runs `docs/examples/SCENE` and compares what each program prints with the comment at its end.
+/// Runs `docs/examples/SCENE` and compares the output of each program with the comment at the end of its source.
 fn check(scene: &str) {
     let folder = root().join("docs/examples");
     let text = fs::read_to_string(folder.join(scene)).expect("a scene");

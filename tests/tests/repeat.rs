@@ -1,4 +1,4 @@
-//! User interventions in a run: their effect, their record, and runs repeated from their traces.
+//! User interventions in a run: their effect, their record, and repetitions of runs from their traces.
 
 use serde_json::{Value, json};
 use tests::{Ran, Scratch, number, write_scene};
@@ -13,7 +13,7 @@ fn write_hand(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
     scratch.write(name, &format!("{header}\n{lines}"));
 }
 
-/// Runs `sim` with the interventions `actions`; the report, and the trace in `trace.jsonl`.
+/// Runs `sim` with the interventions `actions`; writes `trace.jsonl` and returns the report.
 fn run(scratch: &Scratch, sim: &str, actions: &[(f64, Value)], args: &[&str], code: i32) -> Value {
     write_hand(scratch, "hand.jsonl", actions);
     let all = [&["--repeat", "hand.jsonl", "--trace", "trace.jsonl"][..], args].concat();
@@ -24,7 +24,7 @@ fn verify(scratch: &Scratch, trace: &str, args: &[&str]) -> Ran {
     scratch.eyesim(&[&["replay", trace, "--verify"][..], args].concat())
 }
 
-/// Runs the trace of the last run again and expects the same.
+/// Repeats the last run from its trace and asserts that the results are equal.
 fn assert_same_again(scratch: &Scratch, report: &Value, args: &[&str]) {
     let ran = verify(scratch, "trace.jsonl", args);
     let digest = report["digest"].as_str().expect("a digest");
@@ -32,7 +32,7 @@ fn assert_same_again(scratch: &Scratch, report: &Value, args: &[&str]) {
     assert_eq!(ran.stderr, "");
 }
 
-/// The lines of the trace that are such an event.
+/// The events of this kind in the trace.
 fn events(scratch: &Scratch, kind: &str) -> Vec<Value> {
     scratch.trace("trace.jsonl").into_iter().filter(|line| line["event"] == kind).collect()
 }
@@ -75,10 +75,11 @@ fn a_robot_that_is_put_elsewhere_goes_on_from_there() {
     for args in [&[][..], &["--slot", "10"], &["--slot", "1"], &["--exec", "process"], &["--speed", "50"]] {
         let report = run(&scratch, "scene.sim", &actions, args, 0);
         let robot = &report["robots"][0];
-        // Its drive ends where it is put, at once; the next one is 0.5 m along y.
+        // The drive in progress ends at once where the robot is placed. The next drive covers 0.5 m along y.
         let (x, y) = (number(robot, "pose.x_m"), number(robot, "pose.y_m"));
         assert!((x - 2.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9, "{robot:#}");
-        // Odometry is not affected: 0.2 m and 0.5 m, within the distance driven during a call.
+        // The intervention does not affect odometry, which measures 0.2 m and 0.5 m, within the distance driven during a
+        // call.
         assert!((number(robot, "odometry.x_m") - 0.7).abs() < 1e-3, "{robot:#}");
         assert!((number(robot, "virtual_time_s") - 2.0).abs() < 0.01, "{robot:#}");
         let [placed] = &events(&scratch, "placed")[..] else { panic!("one robot is placed once") };
@@ -141,7 +142,7 @@ fn errors_begin_and_end_when_a_hand_says_so() {
         [(1.0, set_noise(Some(1), "drive.slip_percent", 10.0)), (2.0, set_noise(None, "drive.slip_percent", 0.0))];
     let report = run(&scratch, "scene.sim", &slip, &[], 0);
     let x = |report: &Value, robot: usize| number(&report["robots"][robot], "pose.x_m");
-    // For a second it gets 0.9 times 0.2 m.
+    // For one second the robot drives at 0.9 times 0.2 m/s.
     assert!((x(&exact, 0) - x(&report, 0) - 0.02).abs() < 1e-9, "{} {}", x(&exact, 0), x(&report, 0));
     assert_eq!(x(&exact, 1), x(&report, 1), "the other one has none");
     assert_same_again(&scratch, &report, &[]);
@@ -192,7 +193,7 @@ fn a_sensor_that_is_off_sees_nothing_and_counts_nothing() {
     let [before, after] = [&ticks, &found].map(|list| list.iter().map(|it| it.expect("ticks")).collect::<Vec<_>>());
     assert_eq!(after[..2], before[..2]);
     assert_eq!(after[2], after[3], "it stands");
-    // A second of the way is missing, rounded to whole ticks.
+    // The encoder misses the ticks of one second, rounded to whole ticks.
     let per_second = (before[7] - before[5]) / 1.0;
     assert!((4..8).all(|i| (before[i] - after[i] - per_second).abs() <= 2.0), "{before:?} {after:?}");
     assert_same_again(&scratch, &report, &[]);
@@ -210,7 +211,8 @@ fn an_object_that_is_put_elsewhere_is_seen_there() {
     scratch.write("box.sim", "world room.wld\nobject box.esObj\nBox 3000 3000 0\nrobi bot.robi look.c 400 400 0\n");
     let action = |x_m: f64| json!({"do": "place_object", "object": 1, "x_m": x_m, "y_m": 0.4, "phi_rad": 0.0});
     let report = run(&scratch, "box.sim", &[(0.7, action(0.7)), (1.2, action(0.9))], &[], 0);
-    // The sensor sits 60 mm ahead of the centre at 400 mm; the near side of the box is 50 mm before its middle.
+    // The robot's centre is at 400 mm and the sensor 60 mm ahead of it. The near side of the box is 50 mm before the
+    // middle of the box.
     let line = report["robots"][0]["lcd"][0].as_str().expect("a line");
     assert_eq!(line.split_whitespace().collect::<Vec<_>>(), ["9999", "190", "390", "390"]);
     assert_eq!(number(&report["objects"][0], "pose.x_m"), 0.9);
@@ -279,7 +281,7 @@ fn what_cannot_be_done_is_refused_and_leaves_no_trace() {
     assert!(events(&scratch, "intervention").is_empty());
     let report: Value = serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON");
     assert_eq!(report["digest"], plain["digest"], "nothing has happened");
-    // Not after the end of the run either.
+    // An intervention after the end of the run has no effect either.
     let late = run(&scratch, "scene.sim", &[(5.0, press(1, "KEY1"))], &["--until", "3"], 0);
     assert!(events(&scratch, "intervention").is_empty());
     assert_eq!(late["sim_time_s"].as_f64(), Some(3.0));
@@ -306,7 +308,7 @@ int main(void) {
 }
 "#;
 
-/// A generator of numbers below a bound: linear congruential, its high bits.
+/// Linear congruential generator of numbers below a bound; it uses the high bits.
 fn numbers(seed: u64) -> impl FnMut(u32) -> u32 {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) + 1;
     move |bound| {
@@ -335,7 +337,7 @@ fn random_hand(seed: u64) -> Vec<(f64, Value)> {
                 ),
                 _ => switch(robot, ["PSD_FRONT", "QUAD_LEFT"][below(2) as usize], below(2) == 0),
             };
-            // To the microsecond, as a trace has it.
+            // Rounded to the microsecond, like times in a trace.
             ((t_s * 1e6).round() / 1e6, action)
         })
         .collect();
@@ -367,7 +369,7 @@ fn thirty_interventions_of_whatever_kind_give_the_same_digest_again() {
         assert_ne!(report["digest"], plain);
         assert_same_again(&scratch, &report, &["--threads", "1"]);
         assert_same_again(&scratch, &report, &["--threads", "2"]);
-        // The trace of the repeated run is the script of another one.
+        // The trace of the repeated run serves as a list of interventions for another repetition.
         std::fs::rename(scratch.path().join("trace.jsonl"), scratch.path().join("first.jsonl")).expect("a trace");
         let all = [&["--repeat", "first.jsonl", "--exec", "process"][..], args].concat();
         assert_eq!(scratch.report("busy.sim", &all, 0)["digest"], report["digest"], "seed {seed}");
@@ -384,7 +386,7 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
     assert_same_again(&scratch, &report, &[]);
     let trace = scratch.read("trace.jsonl");
 
-    // Without the intervention the slot that begins with it is another one.
+    // Without the intervention, the slot that begins with it differs.
     let without: String =
         trace.lines().filter(|line| !line.contains("\"intervention\"")).map(|line| format!("{line}\n")).collect();
     scratch.write("without.jsonl", &without);
@@ -392,7 +394,7 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     assert!(ran.stdout.starts_with("the runs part in the slot that ends at 1.02"), "{ran:#?}");
 
-    // Of a truncated trace the existing part is compared.
+    // Only the existing part of a truncated trace is compared.
     let half = &trace[..trace.len() / 2];
     scratch.write("half.jsonl", half);
     let ran = verify(&scratch, "half.jsonl", &[]);
@@ -402,13 +404,13 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
         "{ran:#?}"
     );
 
-    // From another folder the scene is found beside the trace.
+    // In another working folder, eyesim finds the scene beside the trace.
     let elsewhere = Scratch::new();
     let path = scratch.path().join("trace.jsonl");
     let ran = elsewhere.eyesim(&["replay", path.to_str().expect("text"), "--verify"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
 
-    // A file that has changed is named.
+    // The message names a file that has changed.
     scratch.write("twice.c", &TWICE.replace("0.5, 0.5", "0.4, 0.5"));
     let ran = verify(&scratch, "trace.jsonl", &[]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");

@@ -1,4 +1,4 @@
-//! RoBIOS-7 as seen by programs: every function of its header and of older headers, images, files, serial lines, timers.
+//! RoBIOS-7 in programs: every function of its header and of older headers, images, files, serial lines and timers.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use robios_sys::Robios7Call;
 use tests::{Scratch, root};
 
 const ROOM: &str = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";
-/// No more than a format demands: a drive.
+/// A robi file with the minimum that the format requires: a drive.
 const BARE: &str = "name Bare\ndiameter 180\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
                     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
@@ -20,7 +20,7 @@ fn text_of(name: &str) -> String {
     std::fs::read_to_string(fixture(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// A scene with one robot without sensors that runs `program`, written as `name`, and a can.
+/// Writes a scene with a can and one robot without sensors that runs `program`, in the file `name`.
 fn bare(name: &str, program: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.wld", ROOM);
@@ -30,7 +30,7 @@ fn bare(name: &str, program: &str) -> Scratch {
     scratch
 }
 
-/// As above, with a body of `main` in C that returns 0.
+/// Like [`bare`], with a C program whose `main` has this body and returns 0.
 fn scene_of(body: &str) -> Scratch {
     bare("main.c", &program_of(body))
 }
@@ -39,7 +39,7 @@ fn program_of(body: &str) -> String {
     format!("#include \"eyebot.h\"\n\n{body}\n")
 }
 
-/// Output of robot 1 in a run that ends with this code.
+/// Output of robot 1 in a run that ends with the exit code `code`.
 fn printed(scratch: &Scratch, args: &[&str], code: i32) -> (Vec<String>, String) {
     let ran = scratch.eyesim(&[&["run", "bare.sim", "--trace", "trace.jsonl"], args].concat());
     let lines = scratch
@@ -54,12 +54,13 @@ fn printed(scratch: &Scratch, args: &[&str], code: i32) -> (Vec<String>, String)
 
 const KEYS: &str = "0:KEY1, 0:KEY2, 0:KEY3, 0:TOUCH(10,20), 1:KEY4, 0:IRTV_OK, 0:IRTV_5";
 
-/// Runs the program that calls every function: each answers as on a robot without devices, and takes virtual time.
+/// Runs the program that calls every function. Each call must return the result for a robot without devices, and take
+/// virtual time.
 fn call_every_function(name: &str) {
     let scratch = bare(name, &text_of("every-function.c"));
     let (lines, _) = printed(&scratch, &["--keys", KEYS], 0);
     assert!(lines.last().is_some_and(|line| line.ends_with(" 0 failures")), "{lines:#?}");
-    // Once more with a millisecond for each call, the unit of the times in the log of calls.
+    // Runs it again with a cost of 1 ms for each call, the unit of the times in the log of calls.
     scratch.write("costs.toml", "[robios7]\n\"*\" = 1000\n");
     let ran = scratch.eyesim(&["run", "bare.sim", "--keys", KEYS, "--costs", "costs.toml", "-v"]);
     let mut called = BTreeSet::new();
@@ -120,7 +121,7 @@ fn a_course_program_runs() {
     scratch.write("bare.sim", "world room.wld\nS4 1000 2000 0 course.c\n");
     let (lines, messages) = printed(&scratch, &["--keys", "1:KEY1, 2:KEY2, 3:KEY3, 30:KEY4"], 0);
     assert!(!messages.contains("warning"), "{messages}");
-    // The front PSD is 60 mm ahead of the robot's centre, the scanner in it.
+    // The front PSD is 60 mm ahead of the robot's centre, and the scanner is at the centre.
     assert_eq!(
         lines[..2],
         ["scan: 360 points, ahead 3000 mm, nearest 1000 mm at -1000/0", "edge: kind P5, 400 edge pixels"]
@@ -257,7 +258,7 @@ fn images_come_from_files_of_all_kinds() {
             "1: 0 255 0 0 255 0 0 0 ",
             "3: 255 0 85 0 255 170 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 ",
             "-1 -1",
-            // Two columns of 478 rows inside the border.
+            // Two columns of 478 rows each, inside the border.
             "956 0",
         ]
     );
@@ -334,7 +335,7 @@ fn sounds_and_inputs_are_those_of_files() {
             return 0;
         }",
     );
-    // 4,000 bytes at 8,000 a second.
+    // A sound of 4,000 bytes at 8,000 bytes per second.
     let mut wave =
         b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0\x40\x1f\0\0\x40\x1f\0\0\x01\0\x08\0data\xa0\x0f\0\0".to_vec();
     wave.resize(wave.len() + 4_000, 128);
@@ -352,7 +353,7 @@ fn motors_go_on_when_a_program_has_ended_with_0() {
         let robot = &report["robots"][0];
         (tests::number(robot, "path_m"), report["sim_time_s"].as_f64().expect("a time"))
     };
-    // A drive with an end is completed; a speed continues for the time of `--linger`.
+    // A drive with an end is completed. A speed command continues for the time set by `--linger`.
     let (path, time) = end("VWStraight(500, 250);", &[], 0);
     assert!((path - 0.5).abs() < 1e-9 && (2.0..2.1).contains(&time), "{path} m in {time} s");
     let (path, time) = end("VWSetSpeed(100, 10);", &[], 0);
@@ -361,7 +362,7 @@ fn motors_go_on_when_a_program_has_ended_with_0() {
     assert!((path - 0.3).abs() < 0.01 && (3.0..3.2).contains(&time), "{path} m in {time} s");
     let (path, _) = end("VWSetSpeed(100, 10);", &["--linger", "1000", "--until", "5"], 0);
     assert!((path - 0.5).abs() < 0.01, "{path}");
-    // One that failed stops.
+    // The robot of a failed program stops.
     let (path, time) = end("VWStraight(500, 250); return 3;", &["--linger", "3"], 1);
     assert!(path < 0.02 && time < 0.2, "{path} m in {time} s");
 }

@@ -1,4 +1,4 @@
-//! Programs of RoBIOS-7 that drive, measure and read the ground truth: results of calls against true poses.
+//! RoBIOS-7 programs that drive, measure and read the ground truth: results of calls compared with true poses.
 #![allow(clippy::disallowed_methods, reason = "arcs by hand, compared within a micrometre")]
 
 use std::f64::consts::{PI, TAU};
@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use serde_json::Value;
 use tests::{Ran, Scratch, number};
 
-/// The beginning of each program: a check that ends it with the line that failed, and some time at rest.
+/// The beginning of each program: a macro that ends it with the line of a failed check, and some time at rest.
 const BEGIN: &str = r#"#include "eyebot.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ const ROOM: &str = "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4
 /// A plane without walls, 400 m by 400 m.
 const PLANE: &str = "floor 400000 400000\n";
 
-/// A folder with a world, a sim file with these lines, and `mine.c`.
+/// Writes a folder with a world, a sim file with these lines, and `mine.c`.
 fn scene(world: &str, lines: &str, program: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("world.wld", world);
@@ -32,7 +32,7 @@ fn scene(world: &str, lines: &str, program: &str) -> Scratch {
     scratch
 }
 
-/// Runs the scene to the end of its programs, which must succeed.
+/// Runs the scene to the end of its programs, which must succeed; returns the report and the trace.
 fn run(scratch: &Scratch) -> (Value, Vec<Value>) {
     run_until(scratch, "600")
 }
@@ -44,7 +44,7 @@ fn run_until(scratch: &Scratch, until: &str) -> (Value, Vec<Value>) {
     (serde_json::from_str(&scratch.read("report.json")).expect("a report is JSON"), scratch.trace("trace.jsonl"))
 }
 
-/// Messages for a robot S4 in the room, and the exit code.
+/// Result of a run of `program` on an S4 robot in the room.
 fn messages(program: &str) -> Ran {
     let scratch = scene(ROOM, "S4 1000 1000 0 mine.c\n", program);
     scratch.eyesim(&["run", "scene.sim", "--until", "600"])
@@ -54,14 +54,14 @@ fn events<'a>(trace: &'a [Value], event: &'a str) -> impl Iterator<Item = &'a Va
     trace.iter().filter(move |line| line["event"] == event)
 }
 
-/// The pose after `[length in m, angle in rad]` on an arc.
+/// The pose after an arc with `[length in m, angle in rad]`.
 fn moved([x, y, phi]: [f64; 3], [length, angle]: [f64; 2]) -> [f64; 3] {
     let chord = if angle == 0.0 { length } else { length * (angle / 2.0).sin() / (angle / 2.0) };
     let along = phi + angle / 2.0;
     [x + chord * along.cos(), y + chord * along.sin(), phi + angle]
 }
 
-/// A drive as a program commands it, and as `[length in m, angle in rad]`.
+/// Drives: the call of the program, and `[length in m, angle in rad]`.
 fn drives() -> Vec<(String, [f64; 2])> {
     let mut drives = Vec::new();
     let straights = [(500, 200), (-500, 200), (1, 1), (-7, 3), (40_000, 600), (-33_333, 500), (123, -50), (0, 100)];
@@ -79,7 +79,8 @@ fn drives() -> Vec<(String, [f64; 2])> {
     }
     for (dx, dy) in [(500, 0), (500, 200), (300, -299), (-400, 100), (-400, -400), (0, 400), (38_000, 1), (0, 0)] {
         let (x, y) = (f64::from(dx) / 1e3, f64::from(dy) / 1e3);
-        // The circle through both places that begins along x: its radius and the angle seen from its centre.
+        // The circle through both points whose tangent at the start is along x: its radius, and the angle between the
+        // points seen from its centre.
         let sense = if dx < 0 { -1.0 } else { 1.0 };
         let arc = if dy == 0 {
             [x, 0.0]
@@ -119,7 +120,7 @@ fn drives_end_on_the_mark() {
         };
         close(odometry, moved([0.0; 3], *arc));
         truth = moved(truth, *arc);
-        // The robot rests for more than a slot after each drive.
+        // After each drive the robot rests for more than a slot.
         let at = number(odometry, "t_s") + 0.05;
         let rested = events(&trace, "pose").filter(|pose| number(pose, "t_s") <= at).last();
         if let Some(rested) = rested {
@@ -264,7 +265,7 @@ fn scans_turn_with_the_robot() {
     assert!((number(first, "bearing_rad") - PI / 2.0).abs() < 1e-12, "{first}");
 }
 
-/// A scene with two robots with programs, one without, a can and a stone.
+/// Writes a scene with two robots with programs, one without, a can and a stone.
 fn company(program: &str, second: &str) -> Scratch {
     let lines = "object stone.esObj\nS4 1000 1000 90 mine.c\nS4 3000 1000 0 second.c\nLabBot 3000 3000 180\n\
                  stone 500 3500 45\ncan 2000 2000 0\n";
@@ -305,7 +306,7 @@ fn robots_and_objects_are_put_elsewhere() {
                    SIMSetObject(5, 1500, 600, 0, 30);\n    SIMGetRobot(2, &x, &y, NULL, &phi); IS(x, 3000); rest(); SIMGetRobot(2, &x, &y, NULL, &phi); IS(x, 3500); IS(y, 2500); \
                    IS(phi, 180);\n    SIMGetRobot(3, &x, &y, NULL, &phi); IS(x, 2500); IS(phi, -90); SIMGetObject(5, &x, &y, NULL, &phi); IS(x, 1500); IS(y, 600); IS(phi, 30);\n    \
                    VWTurn(90, 90); VWWait(); rest(); return 0;\n}\n";
-    // The second robot waits for a drive that ends when the robot is moved.
+    // The second robot waits for the end of a drive. The drive ends when the robot is moved.
     let second = "int main(void)\n{\n    int x, y, phi;\n    VWTurn(30000, 1); VWWait(); SIMGetRobot(0, &x, &y, NULL, &phi); IS(x, 3500); IS(phi, 180); IS(VWDone(), 1); \
                   return 0;\n}\n";
     let scratch = company(program, second);
@@ -322,7 +323,7 @@ fn robots_and_objects_are_put_elsewhere() {
 }
 
 #[test]
-fn whoever_asks_last_is_obeyed_whatever_the_threads() {
+fn of_simultaneous_placements_that_of_the_higher_robot_number_takes_effect() {
     let program = |y: i32| {
         format!(
             "int main(void)\n{{\n    for (int i = 0; i < 40; i++) {{ SIMSetRobot(3, 1000 + 20 * i, {y}, 0, i); SIMSetObject(5, 2000, {y}, 0, 0); }}\n    rest(); return 0;\n}}\n"

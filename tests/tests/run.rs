@@ -1,4 +1,4 @@
-//! `eyesim run` as a command: refused input, interruption, and files left behind.
+//! The command `eyesim run`: rejected input, interruption, and remaining files.
 
 use std::process::Stdio;
 use std::time::Duration;
@@ -70,7 +70,7 @@ fn a_report_that_cannot_be_written_keeps_no_plot_from_being_written() {
 }
 
 #[test]
-fn a_reader_who_has_seen_enough_is_no_error() {
+fn a_closed_output_pipe_is_not_an_error() {
     let scratch = scene("int i; for (i = 0; i < 100000; i++) puts(\"line\"); return 0;");
     let mut child =
         scratch.command(&["run", "scene.sim", "--report", "r.json"]).stdout(Stdio::piped()).spawn().expect("starts");
@@ -106,7 +106,7 @@ fn a_drive_against_a_wall_ends_as_a_wait_that_nothing_can_end() {
     assert_eq!(robot["outcome"], "waiting");
     assert!(robot["reason"].as_str().expect("a reason").contains("stall"), "{robot:#}");
     assert_eq!(robot["contacts"], 1);
-    // A robot of 180 mm in a room of 4 m.
+    // A robot of 180 mm diameter in a room of 4 m.
     assert!((tests::number(robot, "pose.x_m") - 3.91).abs() < 2e-6, "{robot:#}");
 }
 
@@ -119,7 +119,7 @@ fn a_drive_against_a_wall_ends_when_the_wheels_have_turned_far_enough() {
     let robot = &report["robots"][0];
     assert_eq!(robot["contacts"], 1);
     assert!((tests::number(robot, "pose.x_m") - 3.91).abs() < 2e-6, "{robot:#}");
-    // 9 m at 0.5 m/s, and the calls.
+    // 9 m at 0.5 m/s, plus the costs of calls.
     let end = tests::number(robot, "virtual_time_s");
     assert!((18.0..18.1).contains(&end), "{robot:#}");
     let ran = scratch.eyesim(&["run", "scene.sim", "--contact", "push"]);

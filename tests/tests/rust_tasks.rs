@@ -1,4 +1,4 @@
-//! Tasks of Rust programs in the simulator: failure, killing, and the end of the program.
+//! Tasks of Rust programs in the simulator: failing, killing, and the end of the program.
 
 use serde_json::Value;
 use tests::{Scratch, root};
@@ -75,12 +75,12 @@ fn main(robot: &Robot) -> Result {
 }
 "#;
 
-/// The line of the program's source that has this text first, from 1.
+/// Number of the first line of the program's source that contains this text, counted from 1.
 fn line_of(text: &str) -> usize {
     1 + PROGRAM.lines().position(|line| line.contains(text)).expect("a line of the program")
 }
 
-/// A scene with a robot for each way; a folder of its own has its program built once.
+/// Writes a scene with a robot for each of `modes`. The program has its own folder, so it is built once.
 fn write_modes(scratch: &Scratch, modes: &[&str]) {
     let api = root().join("robios-api");
     scratch.write(
@@ -102,7 +102,7 @@ fn write_modes(scratch: &Scratch, modes: &[&str]) {
     scratch.write("ways.scene.toml", &format!("{world}{robots}"));
 }
 
-/// Runs the scene; the robots' reports, their output, and the digest.
+/// Runs the scene; returns each robot's report and output, and the digest.
 fn run(scratch: &Scratch, args: &[&str]) -> (Vec<(Value, Vec<String>)>, Value) {
     let mut all = vec!["run", "ways.scene.toml", "--report", "r.json", "--trace", "t.jsonl"];
     all.extend(args);

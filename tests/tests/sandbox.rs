@@ -1,5 +1,5 @@
-//! Programs of strangers in a sandbox: what is closed to them, as this user and, for root, as an ordinary one; the same digests with and
-//! without; nothing touched, nothing left.
+//! Untrusted programs in a sandbox: the actions denied to them, as the current user and, if that is root, as an
+//! ordinary one; equal digests with and without the sandbox; no changed files and no remaining processes.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::process::CommandExt as _;
@@ -12,7 +12,7 @@ use tests::{Ran, Scratch, write_crowd, write_scene};
 const PROBE: &str = include_str!("sandbox/probe.c");
 const FUZZ: &str = include_str!("sandbox/fuzz.c");
 
-/// Runs `eyesim` as a user, with a cache in the scratch folder, and limits of its own in case the sandbox has none.
+/// Runs `eyesim` as a user, with its cache in the scratch folder. Limits protect the machine from holes in the sandbox.
 fn run_as(scratch: &Scratch, user: Option<u32>, args: &[&str]) -> Ran {
     let script = "ulimit -t 120; exec timeout -k 5 120 \"$@\"";
     let mut command = Command::new("sh");
@@ -26,7 +26,7 @@ fn run_as(scratch: &Scratch, user: Option<u32>, args: &[&str]) -> Ran {
     Ran::from(command.output().expect("a shell"))
 }
 
-/// A copy of the binary that every user can run.
+/// A copy of the binary that every user can execute.
 fn eyesim(scratch: &Scratch) -> std::path::PathBuf {
     let copy = scratch.path().join("eyesim");
     if !copy.exists() {
@@ -35,7 +35,7 @@ fn eyesim(scratch: &Scratch) -> std::path::PathBuf {
     copy
 }
 
-/// Folders for a run in `run`, with its programs in `programs`, a victim's folder and the places that eyesim writes to.
+/// Creates folders: `run` with its programs in `programs`, a victim's folder, and folders that eyesim writes to.
 fn folders() -> Scratch {
     let scratch = Scratch::new();
     std::fs::set_permissions(scratch.path(), std::fs::Permissions::from_mode(0o755)).expect("a mode");
@@ -55,8 +55,9 @@ fn folders() -> Scratch {
     scratch
 }
 
-/// Runs the scene with `bad` as the program of robot 2 in a sandbox, as `user`; checks that the others have reached their goals, that
-/// nothing of the run's folder and the victim's was touched and that no process is left. Returns the report and the messages.
+/// Runs the scene as `user` with `bad` as the program of robot 2 in a sandbox. Checks that the other robots reach their
+/// goals, that nothing in the run's folder and the victim's folder changes, and that no process remains. Returns the
+/// report and the output.
 fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (Value, Ran) {
     scratch.write("run/programs/bad.c", bad);
     if let Some(user) = user {
@@ -90,7 +91,7 @@ fn a_program_reaches_nothing_but_its_own() {
         scratch.write("victim/programs/data.txt", "");
         scratch.write("run/programs/data.txt", "own");
         let victim = scratch.path().join("victim");
-        // The probe's own folder is named by the second argument's place: `run`.
+        // The second argument names `run`, the probe's own folder.
         let probe = PROBE.replace("of(victim, \"programs/data.txt\")", "of(argv[2], \"programs/data.txt\")");
         let arguments = format!("2:{} {}", victim.display(), scratch.path().join("run").display());
         let (report, ran) = run_bad(&scratch, &probe, user, &["--args", &arguments]);
@@ -139,7 +140,8 @@ fn a_python_program_is_restricted_as_well() {
     assert_eq!(said.matches("closed").count(), 6, "{ran:#?}");
 }
 
-/// Programs that break or flood, and a word of the reason why robot 2 failed; empty: it ends well.
+/// Programs that crash or flood: name, statements, and a text in the reason of robot 2, which is empty if the program
+/// ends well.
 const HOSTILE: &[(&str, &str, &str)] = &[
     ("null write", "*(volatile int *)0 = 1;", "segmentation fault"),
     ("stack overflow", "extern int deep(int); deep(1);", "stack overflow"),
@@ -193,7 +195,7 @@ const HOSTILE: &[(&str, &str, &str)] = &[
     ("escapes", "write(2, \"\\x1b[2J<script>\", 12);", ""),
 ];
 
-/// The program that does `what`.
+/// A program with the statements `what`.
 fn program(what: &str) -> String {
     format!(
         "#define _GNU_SOURCE\n#include \"eyebot.h\"\n#include <fcntl.h>\n#include <pthread.h>\n#include <signal.h>\n#include <stdio.h>\n\
@@ -221,8 +223,8 @@ fn hostile_programs_end_alone() {
     }
 }
 
-/// Random system calls change nothing outside, and no other robot. `EYESIM_FUZZ_SECONDS=600 cargo test --workspace --test sandbox random`
-/// continues for that time; `EYESIM_FUZZ_SEED` sets the first seed.
+/// Random system calls change nothing outside the sandbox and no other robot. `EYESIM_FUZZ_SEED` sets the first seed,
+/// and `EYESIM_FUZZ_SECONDS=600 cargo test --workspace --test sandbox random` sets the duration.
 #[test]
 fn random_system_calls_reach_nothing() {
     if tests::lacks_sandbox() {

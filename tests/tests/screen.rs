@@ -1,11 +1,11 @@
-//! The colour display, keys and touches of RoBIOS-7 in a C program.
+//! The colour display, keys and touches of RoBIOS-7 in C programs.
 
 use tests::Scratch;
 
 const FIELD: &str = "floor 2000 2000\n0 0 2000 0\n2000 0 2000 2000\n2000 2000 0 2000\n0 2000 0 0\n";
 const SIM: &str = "world field.wld\nS4 1000 1000 0 draw.c\n";
 
-/// A scene with a robot whose program is `body` of a `main` that returns 0.
+/// Writes a scene with a robot that runs a C program whose `main` has the body `body` and returns 0.
 fn scene(body: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("field.wld", FIELD);
@@ -14,7 +14,7 @@ fn scene(body: &str) -> Scratch {
     scratch
 }
 
-/// The rows of text that robot 1 shows at the end.
+/// Rows of text on the display of robot 1 at the end.
 fn rows(report: &serde_json::Value) -> Vec<String> {
     let rows = report["robots"][0]["lcd"].as_array().expect("rows");
     rows.iter().map(|row| row.as_str().expect("text").to_owned()).collect()
@@ -131,7 +131,7 @@ fn keys_and_touches_come_from_the_script() {
     assert!(wrong.stderr.contains("`TOUCH(1)` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)`"));
 }
 
-/// Columns, rows and pixels of a picture.
+/// Reads a picture.
 fn picture(scratch: &Scratch, name: &str) -> image::RgbImage {
     image::open(scratch.path().join(name)).expect("a picture").into_rgb8()
 }
@@ -161,7 +161,7 @@ fn a_list_menu_scrolls_and_is_touched() {
         printf(\"%s %d\\n\", LCDListActiveItem()->label, LCDGetPixel(300, 30) == RED);",
     );
     scratch.write("draw.c", &format!("#include <stdio.h>\n{}", scratch.read("draw.c")));
-    // 208 / 26 = 8 lines: title, up, five items, down.
+    // The menu has 208 / 26 = 8 lines: title, up, five items, down.
     let keys = "1:TOUCH(100,190), 2:TOUCH(100,190), 3:TOUCH(100,90), 4:KEY4, 5:TOUCH(160,120)";
     let report = scratch.report("draw.sim", &["--keys", keys, "--trace", "t.jsonl"], 0);
     assert_eq!(
@@ -210,7 +210,7 @@ fn a_shot_shows_the_display_of_either_generation() {
     assert_eq!(early.dimensions(), (320, 240));
     assert_eq!([early[(10, 20)].0, early[(19, 39)].0, early[(20, 39)].0], [[255, 165, 0], [255, 165, 0], [0; 3]]);
 
-    // A program that waits for a key is no failure here.
+    // A program that waits for a key does not count as a failure here.
     let ran = shot(&["--lcd", "1", "--bare"]);
     assert_eq!((ran.code, ran.stderr.contains("waits")), (Some(0), false), "{ran:#?}");
     let late = picture(&scratch, "lcd.png");

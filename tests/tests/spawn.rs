@@ -1,5 +1,5 @@
-//! Robots and movable objects that a user adds to a run and removes from it: the same on threads and in processes, by sensors and
-//! by the numbers under which programs know them.
+//! Robots and movable objects that a user adds to a run and removes from it: equal results on threads and in processes,
+//! in sensors and in the numbers that programs use.
 
 use std::time::{Duration, Instant};
 
@@ -31,7 +31,7 @@ fn remove_object(object: u32) -> Value {
     json!({"do": "remove_object", "object": object})
 }
 
-/// A room of 4 m with these lines of robots, of which each has a camera and a distance sensor ahead.
+/// Writes a scene with these lines of robots in a room of 4 m; each robot has a camera and a front distance sensor.
 fn scene(robots: &str, programs: &[(&str, &str)]) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.wld", "floor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n");
@@ -45,7 +45,7 @@ fn scene(robots: &str, programs: &[(&str, &str)]) -> Scratch {
     scratch
 }
 
-/// Drives, sends and receives for ever.
+/// Drives, sends and receives forever.
 const TALK: &str = r#"
 #include "eyebot.h"
 int main(void) {
@@ -105,7 +105,7 @@ fn a_run_that_grows_is_the_same_on_threads_and_in_processes() {
     }
 }
 
-/// Shows every second the number of what the middle of the image shows.
+/// Every second, shows the number of the body in the middle of the image.
 const SEE: &str = r#"
 #include "eyebot.h"
 static int labels[60 * 80];
@@ -140,7 +140,7 @@ fn cameras_see_who_is_there() {
         .map_or(Vec::new(), |lines| lines.iter().filter_map(Value::as_str).collect());
     let lcd = lcd.concat();
     let seen: Vec<i64> = lcd.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    // There is one robot at the start: the crate is number 2 to programs, the robot after it number 3.
+    // The scene starts with one robot, so programs number the crate 2 and the robot added after it 3.
     assert!(matches!(seen[..], [wall, 2, 3, again] if wall < 0 && again == wall), "{lcd}");
 }
 
@@ -174,7 +174,7 @@ fn programs_of_robios_7_number_newcomers_on() {
     assert_eq!(number(&report["objects"][0], "pose.x_m"), 3.0);
 }
 
-/// Computes for ever when the robot is to be removed.
+/// Computes forever, until the robot is removed.
 const STAYS: &str = r#"
 #include "eyebot.h"
 struct Stays { ~Stays() { for (volatile int i = 0; ; i = i + 1); } };

@@ -1,8 +1,8 @@
-//! Common mistakes of beginners: the message says what is wrong and what to do.
+//! Common mistakes of beginners: the message names the mistake and its correction.
 
 use tests::{Scratch, write_scene};
 
-/// Standard error of a run of one program, and the exit code.
+/// Standard error and exit code of a run of one program.
 fn messages(program: &str) -> (String, Option<i32>) {
     let scratch = Scratch::new();
     scratch.write("mine.c", program);

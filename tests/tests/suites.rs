@@ -1,15 +1,15 @@
-//! Suites: the examples of the page, rows that depend on nothing but the case, verdicts, messages, output files.
+//! Suites: the examples of the page, rows that depend only on the case, verdicts, messages and output files.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, root};
 
-/// Blocks of a page with this language.
+/// Blocks of a page in this language.
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     page.split(&fence).skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block).collect()
 }
 
-/// The files of docs/suites.md: the scene, its program, and the suites `0.suite.toml`, `1.suite.toml`.
+/// Writes the files of docs/suites.md: the scene, its program, and the suites `0.suite.toml` and `1.suite.toml`.
 fn of_page() -> Scratch {
     let page = std::fs::read_to_string(root().join("docs/suites.md")).expect("the page");
     let scratch = Scratch::new();
@@ -21,7 +21,7 @@ fn of_page() -> Scratch {
     scratch
 }
 
-/// Runs `eyesim test` and expects an exit code.
+/// Runs `eyesim test`, which must end with this exit code.
 fn test(scratch: &Scratch, args: &[&str], code: i32) -> Ran {
     let ran = scratch.eyesim(&[&["test"], args].concat());
     assert_eq!(ran.code, Some(code), "{args:?}: {ran:#?}");
@@ -46,7 +46,7 @@ fn the_examples_of_the_page_pass() {
     assert!(scratch.eyesim(&["check", "0.suite.toml", "1.suite.toml", "--strict"]).code == Some(0));
 }
 
-/// The suite of the page with a program that turns too far and touches the walls with some seeds.
+/// The page's suite with a program that turns too far and, with some seeds, touches the walls.
 fn failing() -> Scratch {
     let scratch = of_page();
     let suite =
@@ -74,7 +74,7 @@ fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
     assert_eq!(keys.len(), 16, "a key for each case");
     let metrics: Vec<&Value> = rows.iter().map(|row| &row["robots"][0]["metrics"]["side_mm"]).collect();
     assert!(metrics.iter().all(|metric| metric.as_f64() == Some(1000.0)), "{metrics:?}");
-    // A row is that of the run alone.
+    // A row equals the result of a separate run.
     let words: Vec<&str> =
         rows[9]["words"].as_array().expect("words").iter().map(|word| word.as_str().expect("a word")).collect();
     scratch.eyesim(&[&["run", "--report", "run.json"], &words[..]].concat());
@@ -106,7 +106,7 @@ fn a_failure_tells_what_where_and_how_to_see_it() {
         assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("http:") || page.matches("http:").count() == page.matches("http://www.w3.org").count());
-    // Only the failures, then all again once there are none.
+    // `--lf` runs only the failed cases; if there are none, it runs all.
     let ran = test(&scratch, &["0.suite.toml", "--lf"], 1);
     assert!(ran.stdout.contains("collected 16 cases / 15 deselected / 1 selected"), "{ran:#?}");
 }

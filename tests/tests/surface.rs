@@ -1,5 +1,6 @@
-//! Uses of the headers of RoBIOS-7 and of `eye.py` that take more than one name: results in every form, threads, long imports, headers
-//! of other years, collisions of names, standards of C++, generations. `names.rs` uses each name alone.
+//! Uses of the RoBIOS-7 headers and of `eye.py` that involve several names: all types of results, threads, long
+//! imports, headers of other years, collisions of names, C++ standards, generations. `names.rs` tests each name by
+//! itself.
 
 use serde_json::Value;
 use tests::{Ran, Scratch};
@@ -106,7 +107,7 @@ fn headers_of_another_year_beside_a_program_give_way() {
     assert!(ran.stdout.contains("] a.c 42"), "{ran:#?}");
     let said = "`eyebot.h`, `types.h` beside the program is RoBIOS's own: eyesim's is used instead";
     assert!(ran.stderr.contains(said), "{ran:#?}");
-    // A wrapper of our library, and types of the program's own, are kept.
+    // A wrapper of our header, and types that the program defines itself, stay in use.
     let wrapper = "#include_next <eyebot.h>\nstatic inline int go(void) { return VWStraight(100, 100); }\n";
     let program =
         "#include \"eyebot.h\"\n#include \"types.h\"\nint main(void) { Cell c = go(); VWWait(); return c; }\n";
@@ -145,7 +146,7 @@ fn cpp_is_compiled_in_the_newest_standard_or_in_that_of_its_time() {
 
 #[test]
 fn what_compiles_for_one_generation_only_is_of_that_one() {
-    // `LCDSetPos` is in both, but this call has the arguments of neither `OSVersion` of RoBIOS 6.
+    // Both generations have `OSVersion`, but these statements compile only for RoBIOS-7.
     let program = "#include \"eyebot.h\"\nint main(void) { char text[32]; BYTE grey[9]; COLOR red = 3; OSVersion(text); return red == 4 && grey[0]; }\n";
     let (scratch, _) = run(&[("a.c", program)], "a.c", &[]);
     scratch.write("classic.sim", "world room.wld\nrobi %sim%/robis/scout.robi a.c 1000 1000 0\n");

@@ -1,6 +1,6 @@
-//! `eyesim sweep`: rows that depend on nothing but the case, whatever stops and continues the sweep; files that are not as they should be.
+//! `eyesim sweep`: rows depend only on the case, even if a sweep is stopped and continued; damaged files.
 //!
-//! `EYESIM_SWEEP_CASES=5000` lets the test with `kill -9` run that many cases.
+//! `EYESIM_SWEEP_CASES=5000` sets the number of cases in the test with `kill -9`.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -19,7 +19,7 @@ x_mm = 500
 y_mm = 500
 "#;
 
-/// Drives a side and back, and prints where it believes to be.
+/// Drives along a side and back, and prints its odometry.
 const PROGRAM: &str = r#"#include "eyebot.h"
 int main() {
     int x, y, phi;
@@ -35,7 +35,7 @@ int main() {
 }
 "#;
 
-/// A suite of so many cases, of which some fail.
+/// Writes a suite with `cases` cases, some of which fail.
 fn suite(cases: usize) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.scene.toml", SCENE);
@@ -49,19 +49,19 @@ fn suite(cases: usize) -> Scratch {
     scratch
 }
 
-/// Runs `eyesim sweep` and expects an exit code.
+/// Runs `eyesim sweep`, which must end with this exit code.
 fn sweep(scratch: &Scratch, args: &[&str], code: i32) -> Ran {
     let ran = scratch.eyesim(&[&["sweep"], args].concat());
     assert_eq!(ran.code, Some(code), "{args:?}: {ran:#?}");
     ran
 }
 
-/// Runs `eyesim sweep` of the suite into a folder.
+/// Runs `eyesim sweep` on the suite, with output into a folder.
 fn into(scratch: &Scratch, folder: &str, args: &[&str]) -> Ran {
     sweep(scratch, &[&["a.suite.toml", "-o", folder], args].concat(), 0)
 }
 
-/// The rows of a folder, joined.
+/// Merges the rows of a folder.
 fn merged(scratch: &Scratch, folder: &str) -> String {
     sweep(scratch, &["merge", folder, "-o", "merged.jsonl"], 0);
     scratch.read("merged.jsonl")
@@ -77,7 +77,7 @@ fn file_of(folder: &str) -> String {
     format!("{folder}/{WHOLE}")
 }
 
-/// Starts a sweep and waits until its file has so many lines.
+/// Starts a sweep and waits until its file has `lines` lines.
 fn start(scratch: &Scratch, folder: &str, args: &[&str], lines: usize) -> Child {
     let mut command = scratch.command(&[&["sweep", "a.suite.toml", "-o", folder], args].concat());
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("eyesim starts");
@@ -109,7 +109,7 @@ fn rows_are_those_of_the_test() {
     assert_eq!(scratch.eyesim(&["test", "a.suite.toml", "-q", "--report", "r.json"]).code, Some(1));
     let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
     let mut expected = report["suites"][0]["rows"].as_array().expect("rows").clone();
-    // Merged rows are in the order of their values: `harsh` before `none`.
+    // The order of merged rows is that of their values: `harsh` before `none`.
     expected.rotate_left(6);
     assert_eq!(rows(&scratch, "out"), expected);
     let before = scratch.read(&file_of("out"));
@@ -128,7 +128,7 @@ fn rows_do_not_depend_on_shards_processes_or_workers() {
     assert_eq!(merged(&scratch, "two"), expected);
     into(&scratch, "apart", &["-j", "2", "--isolate"]);
     assert_eq!(merged(&scratch, "apart"), expected);
-    // Four at one time, all into one folder.
+    // Four sweeps run at a time, all with the same output folder.
     let mut running: Vec<Child> = Vec::new();
     for index in 1..=100 {
         let shard = format!("{index}/100");
@@ -155,7 +155,7 @@ fn programs_in_processes_of_their_own_give_the_same_rows() {
     let text = scratch.read("a.suite.toml").replace("square.c", "square.py");
     scratch.write("a.suite.toml", &text);
     into(&scratch, "python", &[]);
-    // Digests have the name of the program.
+    // Digests depend on the name of the program.
     let of = |folder| {
         let rows = rows(&scratch, folder);
         rows.iter().map(|row| (row["case"].clone(), row["outcome"].clone(), row["points"].clone())).collect::<Vec<_>>()
@@ -174,7 +174,7 @@ fn kill_9_and_a_torn_line_lose_nothing() {
         signal(&child, "-KILL");
         child.wait().expect("an end");
     }
-    // What the power takes from a file.
+    // Simulates a loss of power, which cuts off the end of a file.
     let path = scratch.path().join(file_of("out"));
     let file = fs::File::options().write(true).open(&path).expect("the file");
     file.set_len(fs::metadata(&path).expect("the file").len() - 40).expect("a shorter file");
@@ -212,7 +212,7 @@ fn the_same_suite_from_elsewhere_has_the_same_keys() {
     let first: Value = serde_json::from_str(here.stdout.lines().next().expect("a case")).expect("a line");
     let row = rows(&scratch, "out").into_iter().find(|row| row["case"] == first["case"]).expect("its row");
     assert_eq!(row["key"], first["key"]);
-    // One case alone, by its key and by its name.
+    // A single case, selected by its key or by its name.
     for word in [&first["key"], &first["case"]] {
         let ran = sweep(&scratch, &["case", "a.suite.toml", word.as_str().expect("a word")], 0);
         assert_eq!(serde_json::from_str::<Value>(&ran.stdout).expect("a row"), row);
@@ -243,11 +243,11 @@ fn a_changed_suite_does_not_mix_with_old_rows() {
     scratch.write("square.c", &PROGRAM.replace("400", "300"));
     refused();
     scratch.write("square.c", PROGRAM);
-    // More seeds go on.
+    // A suite with more seeds continues.
     scratch.write("a.suite.toml", &text.replace("1..2", "1..3"));
     let ran = into(&scratch, "out", &[]);
     assert!(ran.stderr.contains("4 of 6 cases have their rows already"), "{ran:#?}");
-    // Rows of another suite, in the file of this one.
+    // The file of this suite contains the rows of another suite.
     let other = suite(8);
     into(&other, "out", &[]);
     fs::copy(other.path().join(file_of("out")), scratch.path().join(file_of("out"))).expect("a copy");
@@ -275,10 +275,10 @@ fn files_that_are_not_as_they_should_be_are_told() {
     told("milk, bread", ":1:1: the file does not begin as one of a sweep");
     told(&good.replace("\"schema\":1", "\"schema\":2"), "the row is of schema 2, not 1");
     told(&good.replace("\"outcome\":\"passed\"", "\"outcome\":\"splendid\""), "unknown variant `splendid`");
-    // A key that was edited is not that of the case.
+    // An edited key differs from the key of the case.
     scratch.write(&file_of("out"), &good.replace("\"key\":\"", "\"key\":\"f"));
     assert!(sweep(&scratch, &["a.suite.toml", "-o", "out"], 2).stderr.contains("is not of this suite"));
-    // The beginning of the very first line.
+    // A truncated first line.
     scratch.write(&file_of("out"), "{\"swe");
     assert!(into(&scratch, "out", &[]).stderr.contains("the last line was not whole"));
     assert_eq!(scratch.read(&file_of("out")).lines().count(), 5);
@@ -321,7 +321,7 @@ fn wrong_arguments_and_places_are_told() {
 fn a_full_disk_is_told_and_the_sweep_continues() {
     let scratch = suite(600);
     sweep(&scratch, &["plan", "a.suite.toml"], 0);
-    // Files of at most 300 kB, as on a disk that is full then.
+    // A limit of 300 kB for files has the effect of a full disk.
     let command = format!("ulimit -f 300; exec {} sweep a.suite.toml -o out", tests::eyesim_path().display());
     let ran =
         Ran::from(Command::new("bash").args(["-c", &command]).current_dir(scratch.path()).output().expect("bash"));
@@ -340,7 +340,7 @@ fn two_sweeps_of_one_shard_at_once_are_told() {
     let mut first = start(&scratch, "out", &["-j", "1"], 2);
     let ran = sweep(&scratch, &["a.suite.toml", "-o", "out"], 2);
     assert!(ran.stderr.contains("another `eyesim sweep` runs this shard"), "{ran:#?}");
-    // Another shard is not the same.
+    // A different shard may run at the same time.
     sweep(&scratch, &["a.suite.toml", "-o", "out", "--shard", "4000/4000"], 0);
     assert!(first.try_wait().expect("a child").is_none(), "the first sweep was over before the second began");
     signal(&first, "-TERM");
@@ -378,7 +378,7 @@ fn tables_have_what_rows_say() {
     assert!(csv.starts_with(head), "{csv}");
     assert!(csv.contains("\"noise=none,seed=1\",noise=none,1,passed,1,1,,,"), "{csv}");
     assert_eq!(csv.lines().count(), 5);
-    // Two folders with the same rows give each once; with others, it is reported.
+    // The merge of two folders with equal rows contains each row once. If rows differ, the merge fails.
     into(&scratch, "again", &["--shard", "1/2"]);
     sweep(&scratch, &["merge", "again", "out", "-o", "both.csv"], 0);
     assert_eq!(scratch.read("both.csv"), csv);
@@ -407,7 +407,7 @@ fn tables_have_what_rows_say() {
 #[test]
 fn cases_that_could_not_be_run_are_told_and_run_again() {
     let scratch = suite(4);
-    // A check whose program gives no verdict.
+    // A check whose program prints no verdict.
     scratch.write("judge.py", "1 / 0\n");
     let text = scratch.read("a.suite.toml") + "[[check]]\nname = \"way\"\nkind = \"script\"\nprogram = \"judge.py\"\n";
     scratch.write("a.suite.toml", &text);

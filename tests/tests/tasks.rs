@@ -1,4 +1,5 @@
-//! Threads of C programs are tasks of their robot: they share its virtual time and take turns, and every run is the same.
+//! Threads of C programs are tasks of their robot: they share its virtual time and take turns, and every run gives
+//! equal results.
 
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
@@ -14,14 +15,14 @@ fn run_one(source: &str, args: &[&str]) -> (Ran, Value) {
     (ran, serde_json::from_str(&scratch.read("r.json")).expect("a report is JSON"))
 }
 
-/// The first lines that every program here needs, so that its own begin at line 10.
+/// Adds the first lines that every program here needs, so that its own lines start at line 10.
 fn with_headers(source: &str) -> String {
     let headers = ["eyebot.h", "errno.h", "pthread.h", "semaphore.h", "stdio.h", "stdlib.h", "threads.h", "time.h"];
     let includes: String = headers.iter().map(|header| format!("#include \"{header}\"\n")).collect();
     format!("#define _GNU_SOURCE\n{includes}{source}")
 }
 
-/// The lines that a program which ends well prints, without their times.
+/// Output lines of a program that ends well, without their times.
 fn output_of(source: &str) -> Vec<String> {
     let (ran, _) = run_one(source, &[]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -30,7 +31,7 @@ fn output_of(source: &str) -> Vec<String> {
     lines.filter_map(|line| Some(line.split_once("] ")?.1.to_owned())).collect()
 }
 
-/// The reason that the report gives for the only robot.
+/// Reason of the only robot in the report.
 fn reason(report: &Value) -> &str {
     report["robots"][0]["reason"].as_str().expect("a reason")
 }
@@ -190,7 +191,7 @@ int main(void) {
 
 #[test]
 fn turns_are_taken_at_ticks_by_number() {
-    // Each task counts its calls; within a tick of 10 ms no other task runs.
+    // Each task counts its calls; no other task runs within a tick of 10 ms.
     let lines = output_of(
         "
 static int who[4000], at[4000], n;
@@ -311,7 +312,7 @@ int main(void) {
 }
 ",
     );
-    // The tasks woken by a broadcast are ready all at once, and take turns by number.
+    // A broadcast makes all waiting tasks ready at once; they take turns by number.
     let expected = ["sem 2", "sem 1", "sem 0", "left 1, 1", "condition 2", "condition 0", "condition 1"];
     assert_eq!(lines, expected);
 }
@@ -602,7 +603,7 @@ int main(void) {{
 "
     ));
     assert_eq!(lines, ["main"]);
-    // The end of the run ends every task, at any point.
+    // The end of the run ends every task, wherever it is.
     let (ran, report) = run_one(
         &format!(
             "{idle}int main(void) {{ pthread_t t; pthread_create(&t, NULL, idle, NULL); pthread_join(t, NULL); return 0; }}\n"

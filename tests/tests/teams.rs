@@ -1,11 +1,11 @@
-//! The example programs that communicate, and those with several tasks, behave as documented.
+//! The example programs that communicate or have several tasks behave as documented.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// A run of a sample scene with these arguments, in which every robot's program ends.
+/// A run of a sample scene with these arguments; every robot's program must end.
 struct SampleRun {
     robots: Vec<Value>,
     trace: Vec<Value>,
@@ -26,7 +26,7 @@ fn run(name: &str, args: &[&str]) -> SampleRun {
 }
 
 impl SampleRun {
-    /// The events of a kind, in order.
+    /// The events of this kind, in order.
     fn events(&self, kind: &str) -> impl Iterator<Item = &Value> {
         self.trace.iter().filter(move |line| line["event"] == kind)
     }
@@ -47,7 +47,7 @@ fn numbers(text: &str) -> Vec<u64> {
     text.split(' ').filter_map(|word| word.parse().ok()).collect()
 }
 
-/// The number of the hop in the data of a message of `token`, if it is a token.
+/// Hop number in the data of a message of `token`; `None` if the message is not a token.
 fn hop_of(data: &Value) -> Option<u64> {
     let bytes: Vec<u64> = data.as_array().expect("bytes").iter().map(whole).collect();
     (bytes[0] == u64::from(b'T')).then(|| bytes[1..].iter().rev().fold(0, |hop, byte| hop << 8 | byte))
@@ -57,7 +57,7 @@ fn hop_of(data: &Value) -> Option<u64> {
 fn a_token_goes_round_ten_robots_a_thousand_times_and_none_is_lost() {
     let ran = run("token.scene.toml", &["--seed", "7007"]);
     assert_eq!(ran.robots.len(), 10);
-    // Hop h goes from robot (h - 1) mod 10 + 1 to the next one, each after the one before.
+    // Hop h goes from robot (h - 1) mod 10 + 1 to the next one, and no hop is skipped.
     let mut passed = 0;
     for line in ran.events("radio_received") {
         let Some(hop) = hop_of(&line["data"]) else { continue };
@@ -68,7 +68,7 @@ fn a_token_goes_round_ten_robots_a_thousand_times_and_none_is_lost() {
     }
     assert_eq!(passed, 10_000);
 
-    // The trace has the fate of each message at its receiver, once.
+    // The trace has exactly one fate of each message at its receiver.
     let mut fates: BTreeMap<(u64, u64), u64> = BTreeMap::new();
     let mut lost = 0;
     for kind in ["radio_arrived", "radio_lost"] {
@@ -89,10 +89,10 @@ fn a_token_goes_round_ten_robots_a_thousand_times_and_none_is_lost() {
         tokens += u64::from(hop_of(&line["data"]).is_some());
     }
     assert_eq!(fates.len(), sent);
-    // A fifth is lost, within five standard deviations.
+    // One fifth of the messages is lost, within five standard deviations.
     let fraction = f64::from(lost) / sent as f64;
     assert!((fraction - 0.2).abs() < 5.0 * (0.2 * 0.8 / sent as f64).sqrt(), "{lost} of {sent} are lost");
-    // Every token beyond the first of its hop is a repeat that its robot has counted.
+    // Every further token of a hop is a repetition, which its robot has counted.
     let repeats: u64 = (1..=10).map(|robot| numbers(ran.lines(robot)[0])[1]).sum();
     assert_eq!(tokens, 10_000 + repeats);
     assert!((1..=10).all(|robot| numbers(ran.lines(robot)[0])[0] == 1000));
@@ -103,7 +103,7 @@ fn a_convoy_keeps_to_the_trail_of_its_leader() {
     for seed in ["31", "415", "9265"] {
         let ran = run("convoy.scene.toml", &["--seed", seed]);
         assert!(ran.events("radio_lost").count() > 100, "a tenth of what 5 robots say is lost");
-        // The eight: two circles of 0.8 m.
+        // The figure of eight consists of two circles of 0.8 m radius.
         let off = |line: &Value| {
             let (x, y) = (number(line, "x_m"), number(line, "y_m") - 1.2);
             let off = |centre: f64| (((x - centre).powi(2) + y * y).sqrt() - 0.8).abs();
@@ -111,7 +111,7 @@ fn a_convoy_keeps_to_the_trail_of_its_leader() {
         };
         let farthest = ran.events("pose").map(off).fold(0.0, f64::max);
         assert!(farthest < 0.03, "seed {seed}: {farthest} m off the trail");
-        // In the end all stand one behind the other on the left circle.
+        // At the end all robots stand one behind the other on the left circle.
         let positions: Vec<[f64; 2]> =
             ran.robots.iter().map(|robot| ["pose.x_m", "pose.y_m"].map(|path| number(robot, path))).collect();
         for pair in positions.windows(2) {
@@ -122,8 +122,8 @@ fn a_convoy_keeps_to_the_trail_of_its_leader() {
     }
 }
 
-/// Walls that the three robots of `shared-map` must find, by the drawing of the maze: those at the left (above) and at the right
-/// (below) of the cells of each lane, from the lowest up.
+/// Walls that the three robots of `shared-map` must find, from the drawing of the maze. For each lane from the lowest
+/// up: the walls at the left (above) and at the right (below) of its cells.
 fn lanes(maze: &str) -> Vec<String> {
     let rows: Vec<&[u8]> = maze.lines().map(str::as_bytes).collect();
     let is_below = |row: usize, column: usize| rows[row][2 * column + 1] == b'_';

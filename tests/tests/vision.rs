@@ -1,4 +1,4 @@
-//! The example programs with a camera behave in their scenes as documented, also with realistic noise.
+//! The example programs with a camera behave in their scenes as documented, even with realistic noise.
 #![allow(clippy::disallowed_methods, reason = "geometry by hand, compared within millimetres")]
 
 use std::f64::consts::PI;
@@ -31,7 +31,7 @@ fn for_seeds(seeds: std::ops::RangeInclusive<u32>, check: impl Fn(u32) + Sync) {
     });
 }
 
-/// Runs the ball follower from the start that belongs to a seed; it has to come to the ball without kicking it.
+/// Runs the ball follower from the start for this seed; it must come to the ball without kicking it.
 #[track_caller]
 fn assert_reaches_the_ball(program: &[&str], seed: u32) {
     let seed = seed.to_string();
@@ -39,7 +39,8 @@ fn assert_reaches_the_ball(program: &[&str], seed: u32) {
     let report = Scratch::new().report(&scene("follow-ball.scene.toml"), &args, 0);
     let (robot, ball) = (&report["robots"][0], &report["objects"][0]);
     assert_eq!(robot["outcome"], "finished", "seed {seed}: {robot:#}");
-    // Bodies touch at 0.143 m; the program stops when the ball is 0.13 m from the camera, which sits 0.062 m ahead.
+    // The bodies touch at a distance of 0.143 m. The program stops when the ball is 0.13 m from the camera, 0.062 m
+    // ahead of the robot's centre.
     let gap = distance(place(robot), place(ball));
     assert!((0.143..0.24).contains(&gap), "seed {seed}: the ball is {gap} m away: {robot:#}");
     let start = [2.2, 1.7];
@@ -65,14 +66,14 @@ fn path(trace: &[Value]) -> Vec<[f64; 2]> {
     poses.map(|pose| ["x_m", "y_m"].map(|key| number(pose, key))).collect()
 }
 
-/// Whole turns of a path around a point.
+/// Number of turns of a path around a point.
 fn rounds(path: &[[f64; 2]], around: [f64; 2]) -> f64 {
     let bearing = |at: &[f64; 2]| (at[1] - around[1]).atan2(at[0] - around[0]);
     let steps = path.windows(2).map(|pair| (bearing(&pair[1]) - bearing(&pair[0]) + PI).rem_euclid(2.0 * PI) - PI);
     steps.sum::<f64>() / (2.0 * PI)
 }
 
-/// Runs a scene, in which robot 1 has to come once around `middle` at the least, and returns its path.
+/// Runs a scene, in which robot 1 must go at least once around `middle`, and returns its path.
 fn around(name: &str, middle: [f64; 2], args: &[&str]) -> Vec<[f64; 2]> {
     let scratch = Scratch::new();
     let report = scratch.report(&scene(name), &[&["--trace", "t.jsonl"], args].concat(), 0);
@@ -89,7 +90,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 #[test]
 fn the_line_is_followed_once_around() {
-    // As it is drawn in sim-format/examples/textures.rs.
+    // The line, as sim-format/examples/textures.rs draws it.
     let line: Vec<[f64; 2]> = (0..500)
         .map(|step| {
             let (sin, cos) = (2.0 * PI * f64::from(step) / 500.0).sin_cos();
@@ -106,7 +107,8 @@ fn the_line_is_followed_once_around() {
 
 #[test]
 fn the_lane_is_kept_once_around() {
-    // Distance from the middle of the right lane, which lies 0.185 m outside of a rounded rectangle, the middle of the road.
+    // Distance from the middle of the right lane. It is 0.185 m outside the middle of the road, which is a rounded
+    // rectangle.
     let off = |[x, y]: &[f64; 2]| {
         let (x, y) = ((x - 3.0).abs() - 1.3, (y - 2.0).abs() - 0.3);
         let from_corner = distance([x.max(0.0), y.max(0.0)], [0.0; 2]) + x.max(y).min(0.0);
@@ -115,7 +117,7 @@ fn the_lane_is_kept_once_around() {
     for args in [&[][..], &["--noise", "real"]] {
         let farthest = largest(around("follow-lane.sim", [3.0, 2.0], args).iter().map(off));
         println!("{args:?}: at most {:.0} mm from the middle of the lane", 1000.0 * farthest);
-        // The robot has a radius of 93 mm, so that all of it stays in a lane of 370 mm.
+        // The robot has a radius of 93 mm, so its whole body stays in a lane of 370 mm.
         assert!(farthest < 0.09, "{args:?}: {farthest} m from the middle of the lane");
     }
 }
@@ -131,7 +133,7 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split([' ', ',']).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// First time after `from_s` at which robot 2 has an x beyond `edge` in the direction of `sign`.
+/// First time after `from_s` at which robot 2 is beyond x = `edge` in the direction of `sign`.
 fn passes(trace: &[Value], edge: f64, sign: f64, from_s: f64) -> f64 {
     let mut poses = trace.iter().filter(|line| line["event"] == "pose" && line["robot"] == 2);
     let pose = poses.find(|pose| number(pose, "t_s") > from_s && sign * (number(pose, "x_m") - edge) > 0.0);
@@ -146,7 +148,7 @@ fn motion_is_seen_when_and_where_it_is() {
     let trace = scratch.trace("t.jsonl");
     let observations: Vec<Vec<f64>> = printed(&trace).iter().map(|line| numbers(line)).collect();
     assert_eq!(observations.len(), 2, "there and back: {observations:?}");
-    // The camera is 1.14 m from the way, and sees 30 degrees to either side; the passer-by's radius is 0.09 m.
+    // The camera is 1.14 m from the path and sees 30 degrees to either side. The radius of the passing robot is 0.09 m.
     let half_width = 1.14 / 3.0_f64.sqrt() + 0.09;
     let enters = passes(&trace, 2.0 - half_width, 1.0, 0.0);
     let returns = passes(&trace, 2.0 + half_width, -1.0, passes(&trace, 2.0 + half_width, 1.0, 0.0));

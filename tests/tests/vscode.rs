@@ -1,11 +1,12 @@
-//! The problem matchers of VS Code that `eyesim new` writes find the mistakes in what a run prints, and its debugger stops in a program.
+//! VS Code: the problem matchers that `eyesim new` writes find the mistakes in a run's output, and the debugger stops
+//! in a program.
 
 use std::process::Command;
 
 use serde_json::Value;
 use tests::Scratch;
 
-/// Writes a new program into the folder `maze`, with changes: file, old text, new text.
+/// Creates a new program in the folder `maze` and changes it: file, old text, new text.
 fn project(scratch: &Scratch, lang: &str, changes: &[(&str, &str, &str)]) {
     let ran = scratch.eyesim(&["new", "maze", "--lang", lang, "--api", "7"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -21,18 +22,18 @@ fn json(scratch: &Scratch, name: &str) -> Value {
     serde_json::from_str(&scratch.read(name)).expect("JSON")
 }
 
-/// True if a command is installed.
+/// Returns true if a command is installed.
 fn is_there(command: &str) -> bool {
     Command::new(command).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
-/// The problems that the matchers of the task `label` find in what it prints on a terminal: `FILE:LINE SEVERITY MESSAGE`.
+/// Problems that the matchers of the task `label` find in its terminal output, as `FILE:LINE SEVERITY MESSAGE`.
 fn problems(scratch: &Scratch, label: &str) -> Vec<String> {
     let tasks = json(scratch, "maze/.vscode/tasks.json");
     let task = tasks["tasks"].as_array().expect("tasks").iter().find(|task| task["label"] == label).expect("the task");
     let words = task["args"].as_array().expect("arguments").iter().map(|word| word.as_str().expect("a word"));
     let line = [&[task["command"].as_str().expect("a command")], &words.collect::<Vec<_>>()[..]].concat().join(" ");
-    // VS Code runs tasks in a terminal, where eyesim prints for people unless the task's environment forbids it.
+    // VS Code runs tasks in a terminal, where eyesim prints for humans unless the task's environment forbids it.
     let mut command = Command::new("script");
     command.args(["-q", "-c", &line, "/dev/null"]).current_dir(scratch.path().join("maze"));
     for (name, value) in tasks["options"]["env"].as_object().expect("an environment") {
@@ -48,7 +49,8 @@ fn problems(scratch: &Scratch, label: &str) -> Vec<String> {
     lines
 }
 
-/// Applies matchers as VS Code does: each to each line; of one with several patterns the next one to the next line.
+/// Applies matchers like VS Code: each matcher to each line; of a matcher with several patterns, the next pattern to
+/// the next line.
 const MATCH: &str = r"
 const matchers = [].concat(JSON.parse(process.argv[1])), lines = process.argv[2].split(/\r?\n/);
 for (let start = 0; start < lines.length; start++)
@@ -122,7 +124,7 @@ fn mistakes_in_rust_are_found() {
         return;
     }
     let scratch = Scratch::new();
-    // Without its dependency, so that the compiler needs no half minute to find the first mistake.
+    // Without the dependency, the compiler finds the first mistake in less than half a minute.
     project(&scratch, "rust", &[("Cargo.toml", "robios-api =", "# robios-api =")]);
     let found = problems(&scratch, "run");
     assert!(found[0].starts_with("src/lib.rs:") && found[0].contains(" error "), "{found:?}");
@@ -149,7 +151,7 @@ fn the_editor_s_debugger_stops_in_a_program() {
     let output = gdb.output().expect("gdb runs");
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(printed.contains("maze.c:18") && printed.contains("$1 = 1"), "{printed}");
-    // The configuration for a terminal is a command of a shell.
+    // The configuration for a terminal is a shell command.
     let mut shell = Command::new("sh");
     let command = format!("{} -- -batch -ex 'print wall'", text(&launch["configurations"][0]["command"]));
     let output = shell.args(["-c", &command]).current_dir(scratch.path().join("maze")).output().expect("sh runs");

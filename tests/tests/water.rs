@@ -1,4 +1,4 @@
-//! Submarines in a pool: motion, contacts and depth, as seen in programs, reports, traces and pictures.
+//! Submarines in a pool: motion, contacts and depth in programs, reports, traces and pictures.
 #![allow(clippy::disallowed_methods, reason = "angles by hand, compared within a tolerance")]
 
 use tests::{Scratch, number, root};
@@ -17,7 +17,7 @@ fn a_lap_of_the_pool_on_mako() {
     assert_eq!(number(robot, "depth_m"), 0.0, "it has surfaced");
     let [dx, dy] = [number(robot, "pose.x_m") - 2.0, number(robot, "pose.y_m") - 1.5];
     assert!(dx.hypot(dy) < 1.0, "it is back: {robot:#}");
-    // It goes once around the middle, in all quarters, some 0.9 m above the floor.
+    // The submarine goes once around the middle, through all quarters, about 0.9 m above the floor.
     let trace = scratch.trace("trace.jsonl");
     let of = |kind: &'static str| trace.iter().filter(move |event| event["event"] == kind);
     let positions: Vec<[f64; 2]> =
@@ -35,7 +35,7 @@ fn a_lap_of_the_pool_on_mako() {
 #[test]
 fn the_lap_is_the_same_on_threads_in_processes_and_for_every_slot() {
     let scratch = Scratch::new();
-    // 40 s in the midst of the lap end a slot of each length.
+    // 40 s, in the middle of the lap, is the end of a slot for each slot length.
     let lap = |args: &[&str]| scratch.report(&pool(), &[&["--until", "40"], args].concat(), 0);
     let first = lap(&[]);
     for slot in ["1", "200"] {
@@ -46,7 +46,7 @@ fn the_lap_is_the_same_on_threads_in_processes_and_for_every_slot() {
     }
 }
 
-/// Runs into a wall at a slant, slides along it sinks to the floor and rises there; prints where it is.
+/// Hits a wall obliquely, slides along it, sinks to the floor and rises there; prints its position.
 const BUMP: &str = r#"
 #include "eyebot.h"
 int main() {
@@ -64,7 +64,7 @@ int main() {
 }
 "#;
 
-/// A pool of 10 x 6 m as a table, with a robot at `x_mm` = 7000 that heads for the wall at the right.
+/// A pool of 10 x 6 m as a TOML table, with a robot at `x_mm` = 7000 that heads for the right wall.
 fn table(water: &str) -> String {
     format!(
         "[world]\nfloor_mm = [10000, 6000]\nwall = [{{ from_mm = [10000, 0], to_mm = [10000, 6000] }}]\n{water}\n\
@@ -77,10 +77,10 @@ fn it_slides_along_a_wall_and_stays_between_floor_and_surface() {
     let scratch = Scratch::new();
     scratch.write("bump.c", BUMP);
     scratch.write("bump.scene.toml", &table("water_mm = 800"));
-    // All slots end at 12 s.
+    // A slot ends at 12 s for each slot length.
     let report = scratch.report("bump.scene.toml", &["--trace", "trace.jsonl", "--until", "12"], 0);
     let robot = &report["robots"][0];
-    // The body is a disc of 0.6 m; 1 micrometre is the clearance of contacts.
+    // The body is a disc of 0.6 m radius; the skin of contacts is 1 micrometre.
     assert!((number(robot, "pose.x_m") - 9.4).abs() < 2e-6, "{robot:#}");
     assert!(number(robot, "pose.y_m") > 4.2 && robot["contacts"] == 1, "{robot:#}");
     let lifts: Vec<f64> = scratch
@@ -89,7 +89,7 @@ fn it_slides_along_a_wall_and_stays_between_floor_and_surface() {
         .filter(|event| event["event"] == "posture")
         .map(|event| number(event, "lift_m"))
         .collect();
-    // 0.8 m of water over a hull of 0.3 m.
+    // The water is 0.8 m deep above a hull of 0.3 m.
     assert!(lifts.contains(&0.0) && lifts.iter().all(|lift| (0.0..=0.5).contains(lift)), "{lifts:?}");
     for slot in ["1", "200"] {
         let same = scratch.report("bump.scene.toml", &["--slot", slot, "--until", "12"], 0);
@@ -135,7 +135,8 @@ fn worlds_with_water_are_converted() {
     }
 }
 
-/// Prints the height of each object, then what Mako's PSD ahead sees at the surface and on the floor; then pushes the buoy. Objects are numbered on from the robots.
+/// Prints the height of each object, then the reading of Mako's front PSD at the surface and on the floor; then pushes
+/// the buoy. The numbers of objects follow those of robots.
 const LOOK: &str = r#"
 #include "eyebot.h"
 int main() {
@@ -163,7 +164,7 @@ int main() {
 fn objects_float_by_their_buoyancy() {
     let scratch = Scratch::new();
     scratch.write("look.c", LOOK);
-    // A cube of 0.4 m displaces 0.064 m3; of 32 kg a half of its height is under water.
+    // A cube of 0.4 m displaces 0.064 m3. With a mass of 32 kg half of its height is under water.
     let cube = |mass: u32| {
         format!(
             "name Cube{mass}\ncollider box 0 200 0 400 400 400\nmass {mass} 0 200 0\nbuoyancy 0.064\nfriction 0.4\n"

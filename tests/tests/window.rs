@@ -1,4 +1,4 @@
-//! The window of the real binary: messages to pages, effects of their requests, and watching without side effects.
+//! The window of the real binary: messages to pages, effects of page requests, and watching without side effects.
 #![allow(clippy::disallowed_methods, reason = "compared within tolerances")]
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -13,10 +13,10 @@ use sim_view::protocol::{
 use tests::{Scratch, number, write_scene};
 use tungstenite::WebSocket;
 
-/// Longer than anything takes here, on a busy machine too.
+/// Time limit of every step, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Drives and turns for ever; shows a number on its display.
+/// Drives and turns forever; shows a number on its display.
 const ROVER: &str = "#include \"eyebot.h\"\nint main(void) {\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  PSDHandle psd = \
                      PSDInit(PSD_FRONT);\n  PSDStart(psd, TRUE);\n  for (int i = 0;; i++) {\n    VWDriveStraight(vw, 0.2, \
                      0.3);\n    VWDriveWait(vw);\n    VWDriveTurn(vw, 1.0, 1.5);\n    VWDriveWait(vw);\n    \
@@ -26,7 +26,7 @@ const ROVER: &str = "#include \"eyebot.h\"\nint main(void) {\n  VWHandle vw = VW
 const WAITER: &str = "#include \"eyebot.h\"\nint main(void) {\n  LCDMenu(\"GO\", \"\", \"\", \"END\");\n  KEYWait(KEY1);\n  \
                       LCDPrintf(\"pressed\\n\");\n  return 0;\n}\n";
 
-/// Rests, and shows a map of two cells ten times a second.
+/// Does not move, and shows a map of two cells ten times a second.
 const MAPPER: &str = "#include \"eyebot.h\"\n#include \"eyesim.h\"\nint main(void) {\n  unsigned char cells[2] = {0, EYESIM_UNKNOWN};\n  \
                       for (;;) {\n    cells[0] = (cells[0] + 1) % 100;\n    eyesim_show_grid(\"map\", EYESIM_ODOMETRY, 0.5, 0, 0.1, 2, 1, \
                       cells);\n    OSWait(10);\n  }\n}\n";
@@ -34,13 +34,13 @@ const MAPPER: &str = "#include \"eyebot.h\"\n#include \"eyesim.h\"\nint main(voi
 /// A process that serves pages until it is dropped.
 struct Served {
     child: Child,
-    /// Output before it serves.
+    /// Output before the process serves pages.
     lines: Vec<String>,
     port: u16,
 }
 
 impl Served {
-    /// Starts `eyesim` with these arguments, of which `--no-open` and a free port are none.
+    /// Starts `eyesim` with these arguments, `--no-open` and a free port.
     fn start(scratch: &Scratch, args: &[&str]) -> Self {
         let mut command = scratch.command(args);
         command.args(["--no-open", "--port", "0"]).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -65,7 +65,7 @@ impl Served {
         Page::open(self.port, None)
     }
 
-    /// Content of a download.
+    /// Content of a downloaded file.
     fn get(&self, path: &str) -> Vec<u8> {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let request = format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", self.port);
@@ -86,7 +86,7 @@ impl Drop for Served {
     }
 }
 
-/// A page and its received messages.
+/// A page and the messages that it has received.
 struct Page {
     socket: WebSocket<TcpStream>,
     number: u32,
@@ -134,7 +134,7 @@ impl Page {
         self.socket.send(tungstenite::Message::text(text)).expect("a page may speak");
     }
 
-    /// Takes the next message; the answer if it is one.
+    /// Receives the next message and applies it; returns the message if it is an answer.
     fn take(&mut self) -> Option<sim_view::protocol::Answer> {
         let message = loop {
             match self.socket.read().expect("a message comes in time") {
@@ -156,7 +156,7 @@ impl Page {
         None
     }
 
-    /// Takes messages until a condition holds.
+    /// Receives messages until a condition is true.
     fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
@@ -165,7 +165,7 @@ impl Page {
         }
     }
 
-    /// Has a command carried out; the refusal if it is refused.
+    /// Sends a command; returns the error message if the command is rejected.
     fn ask(&mut self, command: Command) -> Option<String> {
         self.number += 1;
         let number = self.number;
@@ -308,7 +308,7 @@ fn a_line_typed_in_the_page_reaches_the_program_and_is_repeated() {
         page.snapshot.as_ref().is_some_and(|snapshot| snapshot.robots[0].standing == Standing::Finished)
     });
     page.send(&Request::Look { robot: Some(1), camera: false, calls: false });
-    // The rest of its line are a blank, two bytes and the end.
+    // The program also reads the rest of its line: a blank, two bytes and the line's end.
     page.until("what was read", |page| page.lcd_text.iter().any(|line| line.contains("Ada 100 4")));
     assert!(page.act(line(1, "x")).is_some_and(|why| why.contains("runs no program")));
     assert!(page.events.iter().any(|event| event.text == "a hand types `Ada` to r1"));
@@ -361,7 +361,7 @@ fn watched_by_three_pages_a_run_is_the_same() {
     let report = scratch.report("scene.sim", &args, 0);
     let served = Served::start(&scratch, &[&["view", "scene.sim", "--paused", "--speed", "max"][..], &args].concat());
     let (mut one, mut two) = (served.page(), served.page());
-    // This page never reads its messages.
+    // This page never receives its messages.
     let mut stalled = served.page();
     stalled.send(&Request::Look { robot: Some(1), camera: true, calls: true });
     one.send(&Request::Look { robot: Some(1), camera: false, calls: true });
@@ -427,7 +427,7 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
     scratch.write("rover.c", WAITER);
     page.until("the new run", |page| page.run() == 2 && page.state() == Some(&RunState::Idle));
     assert_eq!(page.seed(), "9");
-    // How long a change takes to be seen is printed: it is no matter of right or wrong.
+    // The time until a change becomes visible is only printed, not tested.
     scratch.write("rover.c", &format!("{ROVER}// changed\n"));
     let saved = std::time::Instant::now();
     page.until("the change", |page| page.run() == 3 && page.t_s() > 0.0);
@@ -509,7 +509,7 @@ fn a_recorded_run_is_served() {
     assert_eq!(recording.robots[0].standings[0].standing, Standing::Running);
     drop(served);
 
-    // The existing part of a truncated trace is played, and the error is reported.
+    // The existing part of a truncated trace is shown, and the error is reported.
     let whole = scratch.read("t.jsonl");
     scratch.write("cut.jsonl", &whole[..whole.len() / 2]);
     scratch.write("scene.sim", &(std::fs::read_to_string(scratch.path().join("scene.sim")).expect("a scene") + "\n"));
@@ -562,7 +562,7 @@ fn a_scene_without_robots_is_shown_too() {
     page.until("time", |page| page.t_s() > before + 0.1);
 }
 
-/// Product of two quaternions x, y, z, w.
+/// Product of two quaternions (x, y, z, w).
 fn turned([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     [
         aw * bx + ax * bw + ay * bz - az * by,
@@ -572,7 +572,7 @@ fn turned([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// Heights of the links of `robot` above its frame's origin, at these joint angles, as a page computes them.
+/// Heights of the links of `robot` above the origin of its frame at these joint angles, computed as on a page.
 fn link_heights(robot: &sim_view::protocol::Robot, joints_rad: &[f64]) -> Vec<f64> {
     let mut frames: Vec<([f64; 3], [f64; 4])> = Vec::new();
     for link in &robot.links {
@@ -607,7 +607,7 @@ fn legs_move_in_the_page_and_in_a_replay() {
     let is_striding =
         state.joints_rad.iter().zip(&robot.standing_rad).any(|(angle, still)| (angle - still).abs() > 0.1);
     assert!(is_striding, "{:?}", state.joints_rad);
-    // Of both ankles one is on the ground, as high as in a standing robot, and none is below it.
+    // One of the ankles is as high as in a standing robot, since its foot is on the ground; none is lower.
     let ankles = |joints: &[f64], lift: f64| {
         let heights = link_heights(robot, joints);
         [heights[4] + lift, heights[9] + lift]

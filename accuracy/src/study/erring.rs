@@ -1,4 +1,5 @@
-//! `erring`: a minute of driving with wheel lag, unequal wheels, slip and noise, against a reference in double-double numbers.
+//! `erring`: a minute of driving with wheel lag, unequal wheels, slip and noise, compared with a reference in
+//! double-double numbers.
 //!
 //! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheels and arcs with its own formulas. It shares
 //! only the random streams with the simulator.

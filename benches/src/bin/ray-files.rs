@@ -1,7 +1,7 @@
 //! Writes the walls and rays of the bench `rays` for peers in other languages: `ray-files FOLDER`.
 //!
-//! Each file is a flat list of little-endian doubles: `walls.f64` (ax, ay, bx, by), and for psd, lidar `NAME.f64`
-//! (origin x, y, direction x, y, range, distance by brute force or infinity).
+//! Each file is a flat list of little-endian doubles: `walls.f64` (ax, ay, bx, by), and one file `NAME.f64` each for
+//! psd and lidar (origin x, y, direction x, y, range, distance by brute force or infinity).
 #![forbid(unsafe_code)]
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Writes the scene of the swarm: `swarm ROBOTS FOLDER` creates `FOLDER/swarm.sim`, to be run with `eyesim run`.
+//! Writes the scene of the swarm: `swarm ROBOTS FOLDER` creates `FOLDER/swarm.sim` for `eyesim run`.
 #![forbid(unsafe_code)]
 
 use std::env;

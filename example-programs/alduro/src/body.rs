@@ -22,11 +22,11 @@ pub struct Pose {
     pub lift: f64,
 }
 
-/// Number of sonars, the most that one bus takes (Gois and Hiller, section 6).
+/// Number of sonars: the maximum that one bus supports (Gois and Hiller, section 6).
 pub const SONARS: usize = 16;
-/// Number of sonars that look around; the others look down at the corners.
+/// Number of sonars that look around; the others look down at the body's corners.
 const AROUND: usize = 12;
-/// Height of the sonars that look around, m: as high as a foot is lifted at most.
+/// Height of the sonars that look around, m: the maximum height to which a foot is lifted.
 const RING_HEIGHT: f64 = 0.6;
 /// Height of the sonars that look down, m.
 const CORNER_HEIGHT: f64 = 1.2;
@@ -34,7 +34,7 @@ const CORNER_HEIGHT: f64 = 1.2;
 const RING: f64 = 0.8;
 /// Elevation of the sonars that look around, rad; level ground must stay out of their beams.
 const RING_PITCH: f64 = 25.0 / 180.0 * PI;
-/// Position of the sonars that look down, m ahead of and beside the middle.
+/// Position of the sonars that look down, m ahead of and beside the body's centre.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
 /// Clearance around the middle of the robot that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m
@@ -42,7 +42,7 @@ const CORNER: (f64, f64) = (1.5, 0.9);
 /// (0.5 m) too wide.
 pub const OPERATOR_CLEARANCE: f64 = 1.6;
 
-/// The sonar with this number, counted from 0.
+/// Mounting pose of the sonar with this number, counted from 0.
 ///
 /// # Panics
 /// If `number` is [`SONARS`] or more.

@@ -1,11 +1,13 @@
 //! Walks over unstructured terrain on four legs, with a local map from sonar (Gois and Hiller).
 //!
-//! Arguments `survey DISTANCE`: drives straight ahead for this many metres and measures on the way; maps are made afterwards.
+//! The arguments `survey DISTANCE` make the robot drive straight ahead for this many metres and measure with its
+//! sonars. Another program makes maps from the readings afterwards.
 //!
-//! Arguments `X Y` and, if wanted, the equations that correct its steps, `both`, `eq4`, `eq5` or `none`: the goal in the world, in metres. The operator on board sees the goal and gives its direction, to whole
-//! degrees, and its distance; both come from the true pose, since odometry is lost after tens of metres. All other parts of
-//! the program, such as the map, use only odometry, sonars and the encoders of the legs. The window shows the heights of the map's cells
-//! about which the sonars have said something.
+//! The arguments `X Y` are the goal in the world, in metres. An optional third argument names the equations that
+//! correct the steps: `both`, `eq4`, `eq5` or `none`. The operator on board sees the goal and gives its direction, to
+//! whole degrees, and its distance. Both come from the true pose, since odometry is useless after tens of metres. All
+//! other parts of the program, such as the map, use only odometry, sonars and the encoders of the legs. The window
+//! shows the heights of the cells that sonar readings have updated.
 
 mod body;
 #[cfg(test)]
@@ -25,19 +27,21 @@ use robios_api::robios7::{Leg, LegLink, Legs, Psd, TruePose};
 
 robios_api::program!(main);
 
-/// Period of measuring and planning. All sonars measure at once, since they look different ways; an echo from 6 m takes 35 ms.
+/// Period of measuring and planning. All sonars measure at once, since their beams point in different directions. An
+/// echo from 6 m takes 35 ms.
 const CYCLE: Duration = Duration::from_millis(250);
-/// Measuring period and driving speed of a survey.
+/// Measuring period of a survey.
 const SCAN: Duration = Duration::from_millis(125);
+/// Driving speed of a survey.
 const SURVEY_SPEED: Speed = Speed::millimetres_per_second(500.0);
 /// Distance from the goal at which the operator stops, m.
 const ARRIVED: f64 = 0.5;
 /// Length of a shank from knee to tip, m; as in the robi.
 const SHANK: f64 = 1.1;
-/// Share of the prior deviation of a cell's height below which the window shows the cell.
+/// Ratio of a cell's standard deviation to the prior one below which the window shows the cell.
 const KNOWN: f64 = 0.9;
-/// Period of printing the map, in cycles.
-const TOLD: u32 = 20;
+/// Number of cycles between two prints of the map.
+const PRINT_CYCLES: u32 = 20;
 
 fn main(robot: &Robot) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let words: Vec<&str> = robot.arguments().iter().map(String::as_str).collect();
@@ -60,7 +64,7 @@ fn corrections(word: &str) -> std::result::Result<Corrections, String> {
     Corrections::named(word).ok_or_else(|| format!("`{word}`: expected `both`, `eq4`, `eq5` or `none`"))
 }
 
-/// Measures with all sonars while it drives straight ahead.
+/// Measures with all sonars while the robot drives straight ahead.
 fn survey(robot: &Robot, distance: f64) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let sonars = sonars(robot)?;
     let drive = robot.drive();
@@ -75,7 +79,7 @@ fn survey(robot: &Robot, distance: f64) -> std::result::Result<(), Box<dyn std::
     Ok(())
 }
 
-/// Walks to `goal`, m in the world.
+/// Walks to `goal` in the world, m.
 fn walk(
     robot: &Robot,
     goal: (f64, f64),
@@ -108,7 +112,7 @@ fn walk(
         let (vx, vy) = (orders.velocity.x.metres_per_second(), orders.velocity.y.metres_per_second());
         legs.set_speed(vx, vy, orders.turn.radians_per_second())?;
         show(robot, planner.map())?;
-        if cycle % TOLD == 0 {
+        if cycle % PRINT_CYCLES == 0 {
             tell(robot, &pose, planner.map());
         }
         ticker.wait();
@@ -155,8 +159,9 @@ fn show(robot: &Robot, map: &LocalMap) -> Result {
     robot.layers().points("heights", LayerFrame::Odometry, &points)
 }
 
-/// Prints the map: a line `map X Y HEADING LOW_X LOW_Y CELL COLUMNS` (estimated pose of the robot and centre of the cell with the
-/// minimum x and y, in the odometry frame; side of a cell; m and rad), then a line `row` of heights in cm for each row from the minimum y.
+/// Prints the map. The first line is `map X Y HEADING LOW_X LOW_Y CELL COLUMNS`, in m and rad: estimated pose of the
+/// robot, centre of the cell with the minimum x and y (both in the odometry frame), side of a cell, number of columns.
+/// Then follows a line `row` of heights in cm for each row of cells, from the minimum y upwards.
 fn tell(robot: &Robot, pose: &Pose, map: &LocalMap) {
     let partition = map.surface().partition();
     let (x, y) = partition.centre(partition.low);

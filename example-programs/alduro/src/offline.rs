@@ -41,7 +41,7 @@ impl Numbers {
     }
 }
 
-/// Dome of the height top (1 - (distance / radius)^2) where that is positive.
+/// Dome whose height is top (1 - (distance / radius)^2) where this value is positive.
 struct Dome {
     x: f64,
     y: f64,
@@ -55,7 +55,7 @@ impl Dome {
         (self.top * (1.0 - (dx * dx + dy * dy) / (self.radius * self.radius))).max(0.0)
     }
 
-    /// Distance along a ray from outside to the surface, and the cosine of the incidence angle.
+    /// Distance along a ray from outside to the dome's surface, and the cosine of the incidence angle.
     fn met(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64)> {
         let (dx, dy) = (origin.x - self.x, origin.y - self.y);
         let curve = self.top / (self.radius * self.radius);
@@ -128,7 +128,7 @@ impl Ground {
         self.0.iter().map(|dome| dome.height(point.x, point.y)).fold(0.0, f64::max)
     }
 
-    /// Length of the shortest path that keeps 2 m from all that is higher than 0.5 m.
+    /// Length of the shortest path that keeps 2 m from ground higher than 0.5 m.
     fn shortest(&self) -> Option<f64> {
         let frame = Frame::new(Point::new(-4.0, -16.0), 0.25, 176, 128);
         let room = distances(&Grid::from_fn(frame, |cell| self.height(frame.centre(cell)) > 0.5), |is_high| *is_high);
@@ -137,7 +137,8 @@ impl Ground {
     }
 }
 
-/// Points of the robot below which nothing high may stand, m ahead of and to the left of its middle: about the reach of the feet.
+/// Points below the robot at which the ground must be low, m ahead of and to the left of its middle: about the reach of
+/// the feet.
 const UNDER: [(f64, f64); 9] =
     [(0.0, 0.0), (1.5, 1.0), (1.5, 0.0), (1.5, -1.0), (0.0, 1.0), (0.0, -1.0), (-1.5, 1.0), (-1.5, 0.0), (-1.5, -1.0)];
 

@@ -1,7 +1,7 @@
 //! Model of the operator, who chooses the body's direction of travel on the local map.
 //!
-//! In the paper the operator is a person with a joystick who sees the goal. Here the direction is that of the cheapest path over the
-//! map: to the goal, or to the border of the map and from there in a straight line.
+//! In the paper the operator is a person with a joystick who sees the goal. Here the operator follows the cheapest path
+//! over the map: to the goal, or to the border of the map and from there in a straight line.
 
 use mapping::astar::{costs, shortest_path};
 use mapping::distance::distances;
@@ -11,8 +11,8 @@ use mapping::pose::Point;
 
 /// Look-ahead distance along the path, m.
 const AHEAD: f64 = 1.5;
-/// Additional cost of a path right through high cells, as a multiple of the cost over free ground. No cell is forbidden, since the
-/// map may contain phantoms.
+/// Additional cost of a path through the middle of high cells, as a multiple of the cost over free ground. No cell is
+/// forbidden, since the map may contain phantoms.
 const DEAR: f64 = 20.0;
 
 /// Joystick command of the operator.
@@ -24,8 +24,8 @@ pub struct Command {
     pub room: f64,
 }
 
-/// Chooses the direction from `robot` towards `goal`, on a map whose cells are true where an obstacle is high. The middle of the
-/// robot needs `needed` m of clearance.
+/// Chooses the direction from `robot` towards `goal`. The cells of the map are true where an obstacle is high. The
+/// middle of the robot needs `needed` m of clearance.
 pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Command {
     let room = distances(is_high, |is_high| *is_high);
     let path = path_to(&room, robot, goal, needed);
@@ -35,7 +35,8 @@ pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Com
     Command { direction: math::atan2(target.y - robot.y, target.x - robot.x), room }
 }
 
-/// Points of the cheapest path over the map, without the robot's own cell; with the goal, if it is on the map.
+/// Points of the cheapest path over the map, without the robot's own cell. The path includes the goal if the goal is on
+/// the map.
 fn path_to(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Point> {
     let frame = room.frame();
     let factor = |cell: Cell| Some(1.0 + DEAR * (1.0 - room[cell] / needed).max(0.0));
@@ -47,7 +48,8 @@ fn path_to(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Poin
     centres.chain(end.map(|_| goal)).collect()
 }
 
-/// The cell on the border of the map through which the whole way to a goal beyond it is cheapest.
+/// For a goal beyond the map: the cell on the map's border through which the total cost of the path to the goal is
+/// lowest.
 fn exit(costs: &Grid<f64>, goal: Point) -> Cell {
     let frame: &Frame = costs.frame();
     let is_border = |cell: &Cell| {
@@ -99,7 +101,7 @@ mod tests {
         assert!(beside.room >= 2.0, "{beside:?}");
     }
 
-    /// A dead end from which choosing the nearest free direction never escapes.
+    /// A dead end; a robot that always chooses the nearest free direction would never escape.
     #[test]
     fn it_walks_out_of_a_dead_end() {
         let pocket = |point: Point| {

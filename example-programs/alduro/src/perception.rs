@@ -1,7 +1,7 @@
 //! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): two vectors towards the obstacles around it.
 //!
-//! Eq. 4 and 5 print only the length of each p_k, although the p_k are summed as vectors: here each has the direction of the unit
-//! vector from the shank to the point.
+//! Eq. 4 and 5 print only the length of each p_k, but sum the p_k as vectors. Here each p_k has the direction of the
+//! unit vector from the shank to the point.
 
 use mapping::local_map::Patch;
 use nalgebra::{Vector2, Vector3};
@@ -9,9 +9,9 @@ use nalgebra::{Vector2, Vector3};
 /// The two fuzzy sets of heights above the ground that the robot stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heights {
-    /// Ramp from ground to low, m: ground below the first height, low from the second on.
+    /// Ramp from ground to low, m: ground up to the first height, low from the second height on.
     pub low: (f64, f64),
-    /// Ramp from low to high, m: only low up to the first height, only high from the second on.
+    /// Ramp from low to high, m: only low up to the first height, only high from the second height on.
     pub high: (f64, f64),
 }
 
@@ -21,7 +21,8 @@ impl Heights {
         ramp(height, self.high)
     }
 
-    /// Membership in the set `low` of obstacles that a simple step overcomes: a ramp up from the ground, and down where `high` begins.
+    /// Membership in the set `low` of obstacles that a simple step overcomes. It rises from the ground on and falls
+    /// where `high` begins.
     pub fn low(&self, height: f64) -> f64 {
         ramp(height, self.low) * (1.0 - self.high(height))
     }
@@ -31,8 +32,9 @@ fn ramp(value: f64, (from, to): (f64, f64)) -> f64 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// P_H of Eq. 4: vector towards the high points around `shank`, in the plane. Its length is that of the nearest point's p_k, 1 at the
-/// shank and 0 from `reach` m on. Points are weighted by their membership in `high` (our choice; it makes the equation a fuzzy rule).
+/// P_H of Eq. 4: vector in the plane towards the high points around `shank`. Its length is that of the nearest point's
+/// p_k: 1 at the shank, 0 from `reach` m on. Points are weighted by their membership in `high` (our choice; it makes
+/// the equation a fuzzy rule).
 pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch, f64)>) -> Vector2<f64> {
     let vectors = points.filter_map(|(patch, membership)| {
         let offset = Vector2::new(patch.x, patch.y) - shank;
@@ -41,8 +43,9 @@ pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch
     combined(vectors, Vector2::zeros())
 }
 
-/// P_L of Eq. 5: vector towards the low points around the position that the shank's tip, now at `tip`, reaches within the next moment,
-/// `ahead` m farther. The paper takes the points at the distance `reach`, whose p_k would all be about 0; ours are the points within it.
+/// P_L of Eq. 5: vector towards the low points around the position that the shank's tip, now at `tip`, will reach
+/// `ahead` m farther on. The paper takes the points at the distance `reach`, whose p_k would all be about 0; here the
+/// points within that distance count.
 pub fn low(
     tip: Vector3<f64>,
     ahead: Vector3<f64>,
@@ -89,7 +92,7 @@ mod tests {
         assert_eq!(at(&[]), Vector2::zeros());
         assert_eq!(at(&[(4.0, 0.0)]), Vector2::zeros());
         assert_eq!(at(&[(1.5, 0.0)]), Vector2::new(0.75, 0.0));
-        // Two alike to both sides ahead: straight ahead, as long as each.
+        // Two equal points, ahead to either side: the result points straight ahead and is as long as each vector.
         let both = at(&[(1.6, 0.8), (1.6, -0.8)]);
         assert!((both - Vector2::new(0.5, 0.0)).norm() < 1e-12, "{both}");
         assert_eq!(at(&[(1.0, 0.0)]), Vector2::zeros(), "the point itself has no direction");

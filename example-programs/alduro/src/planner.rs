@@ -1,8 +1,8 @@
-//! The reactive planner (Gois and Hiller, section 5): fuses readings into the local map, computes the perception of each shank, and from
-//! these the corrections of the steps. The excess of a correction over a leg's limit moves the body.
+//! The reactive planner (Gois and Hiller, section 5). It fuses readings into the local map, computes the perception of
+//! each shank, and derives corrections of the steps. If a correction exceeds a leg's limit, the excess moves the body.
 //!
-//! P_H (Eq. 4) is the perception of points too high to step over, a vector from the shank to them; P_L (Eq. 5) that of lower points around
-//! the foothold.
+//! P_H (Eq. 4) is the perception of points too high to step over: a vector from the shank towards them. P_L (Eq. 5) is
+//! the perception of lower points around the foothold.
 
 use std::f64::consts::PI;
 
@@ -18,24 +18,26 @@ use crate::perception::{self, Heights};
 
 /// Side of a cell of the local map, m.
 const CELL: f64 = 0.5;
-/// Standard deviation of the height of a cell of which nothing is known, m.
+/// Prior standard deviation of the height of an unmeasured cell, m.
 pub const HEIGHT_SIGMA: f64 = 2.0;
-/// Half the side of the local map, m: more than twice the range of the sonars, else the robot would forget why it turned back.
+/// Half the side of the local map, m: more than twice the range of the sonars, so that the robot remembers why it
+/// turned back.
 const MAP_HALF_WIDTH: f64 = 14.0;
-/// Ramps of the fuzzy sets `low` (a step overcomes the obstacle) and `high` (no step does): membership rises from 0 at the first height to
-/// 1 at the second, m; that in `low` falls as that in `high` rises. Rocks are estimated lower than they are: the ring of sonars 0.6 m high
-/// measures nothing above that, and the fitted surface smooths rocks.
+/// Ramps of the fuzzy sets `low` (a step overcomes the obstacle) and `high` (no step does). Membership rises from 0 at
+/// the first height to 1 at the second, m; membership in `low` falls as membership in `high` rises. The planner
+/// underestimates rocks: the ring of sonars, 0.6 m high, measures nothing above this height, and the fitted surface
+/// smooths rocks.
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
 /// A point blocks the operator's path if its membership in `high` is at least this.
 const BLOCKING_MEMBERSHIP: f64 = 0.5;
 /// Half angle about its line of sight within which a sonar reliably hears high obstacles, rad: a little less than half the angle between
 /// two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
-/// Maximum range up to which cells are cleared, m: sonars reliably hear high obstacles within it.
+/// Maximum range up to which cells are cleared, m. Within it, sonars reliably hear high obstacles.
 const CLEAR_RANGE: f64 = 3.5;
-/// Range up to which cells are cleared if there is no echo, m: that may be a dropout.
+/// Range up to which cells are cleared if there is no echo, m. It is smaller, since the echo may have dropped out.
 const CLEAR_RANGE_NO_ECHO: f64 = 2.0;
-/// Height to which clearing lowers a cell, m: the sonars that look around hear no lower obstacle. It is the height whose membership in
+/// Height to which clearing lowers a cell, m: the sonars that look around hear no lower obstacle. Its membership in
 /// `high` is [`BLOCKING_MEMBERSHIP`], so a cell that has once returned an echo does not become level ground again.
 const CLEARED_HEIGHT: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
@@ -48,15 +50,15 @@ const AHEAD_S: f64 = 0.5;
 const SHIFT: f64 = 0.6;
 /// Maximum shift of a leg, m; the body takes the excess.
 const LEG_LIMIT: f64 = 0.2;
-/// Speed of the body for each metre of excess, the shift that the legs could not take, 1/s.
+/// Speed of the body per metre of excess (the part of the shift that the legs could not take), 1/s.
 const BODY_GAIN: f64 = 1.5;
 /// Additional lift of a foot for a P_L of length 1, m.
 const LIFT: f64 = 0.4;
-/// Speed of the body on a free way, m/s.
+/// Speed of the body if the path is free, m/s.
 const SPEED: f64 = 0.3;
-/// Least speed, m/s, however near a high obstacle is: a slow approach may show that it is a phantom.
+/// Minimum speed near a high obstacle, m/s: a slow approach may show that the obstacle is a phantom.
 const MIN_SPEED: f64 = 0.06;
-/// Gain of the controller that holds the first heading, rad/s per rad.
+/// Gain of the controller that holds the initial heading, rad/s per rad.
 const HEADING_GAIN: f64 = 0.8;
 /// Maximum yaw rate, rad/s.
 const MAX_YAW_RATE: f64 = 0.1;
@@ -78,7 +80,7 @@ pub struct Reading {
     pub sonar: usize,
     /// Estimated pose of the robot at the reading.
     pub pose: Pose,
-    /// m; `None` without an echo.
+    /// Measured distance, m; `None` without an echo.
     pub distance: Option<f64>,
 }
 
@@ -102,7 +104,7 @@ pub enum Corrections {
     High,
     /// P_L alone: feet are lifted over low points.
     Low,
-    /// None: the steps follow the operator's path.
+    /// No corrections: the steps follow the operator's path.
     Neither,
 }
 
@@ -133,8 +135,8 @@ pub struct Planner {
 impl Planner {
     /// A planner with an empty map, which holds `heading`, rad.
     pub fn new(heading: f64, corrections: Corrections) -> Self {
-        // Tuned to rise quickly at a possible obstacle rather than for accuracy: a rock ahead is heard only a few times before the robot
-        // reaches it. Old readings are forgotten, since odometry drifts.
+        // Tuned for a quick rise at a possible obstacle rather than for accuracy: the sonars hear a rock ahead only a
+        // few times before the robot reaches it. Old readings are forgotten, since odometry drifts.
         let settings = Settings {
             order: Order::Zero,
             fusion: Fusion::Cells { above: 0.3 },
@@ -144,7 +146,7 @@ impl Planner {
             forgetting: 0.98,
             ..Settings::default()
         };
-        // Without the edge of the beam, where a single reading is uncertain and would close gaps.
+        // Excludes the edge of the beam, where a single reading is uncertain and would close gaps.
         let model = SonarModel { min_membership: 0.25, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, MAP_HALF_WIDTH, model, settings);
         Self { map, corrections, heading, velocity: Vector2::zeros() }
@@ -155,7 +157,7 @@ impl Planner {
         &self.map
     }
 
-    /// Takes readings into the map.
+    /// Adds readings to the map.
     pub fn observe(&mut self, readings: &[Reading]) {
         for Reading { sonar, pose, distance } in readings {
             self.map.follow(pose.ground.position.x, pose.ground.position.y);
@@ -195,8 +197,8 @@ impl Planner {
         Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
     }
 
-    /// Applies the two rules to one leg: away from high points, higher over low ones. The second value is the excess of the shift over
-    /// the leg's limit, in the odometry frame.
+    /// Applies the two rules to one leg: away from high points, higher over low ones. The second value is the excess of
+    /// the shift over the leg's limit, in the odometry frame.
     fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
         let above = |patch: &Patch| patch.z - pose.lift;
         let shank = pose.in_odometry(&leg.shank);
@@ -223,7 +225,7 @@ impl Planner {
     }
 }
 
-/// The vector, shortened to `most` if it is longer.
+/// The vector, shortened to `max_length` if it is longer.
 fn limited(vector: Vector2<f64>, max_length: f64) -> Vector2<f64> {
     let length = vector.norm();
     if length > max_length { vector * (max_length / length) } else { vector }

@@ -6,7 +6,7 @@ robios_api::program!(main);
 
 /// Control period.
 const PERIOD: Duration = Duration::from_millis(50);
-/// The sensors, from the left over the front to the right, then the back.
+/// The sensors: from the left through the front to the right, then the back.
 const SENSORS: [PsdAt; 8] = [
     PsdAt::Left,
     PsdAt::LeftDiagonal,

@@ -1,8 +1,9 @@
-//! A convoy: robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with the number
-//! before its own.
+//! A convoy: robot 1 drives a figure of eight and half a circle; every other robot follows the trail of the robot with
+//! the next lower number.
 //!
-//! Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two seconds. Arguments:
-//! the start pose, in mm and degrees, so that all robots share one frame. `convoy-c` is the same program in C and drives with it.
+//! Each robot broadcasts its position ten times a second, and ends when the robot ahead has been silent for two
+//! seconds. Arguments: the start pose, in mm and degrees, so that all robots share one frame. `convoy-c` is the same
+//! program in C; both programs can drive in one convoy.
 
 use std::collections::VecDeque;
 use std::error::Error;
@@ -90,7 +91,7 @@ fn position_of(message: &[u8]) -> Option<Position> {
 struct Trail(VecDeque<Position>);
 
 impl Trail {
-    /// Speeds that lead along the trail; the more of it lies ahead, the faster.
+    /// Speeds that follow the trail: faster if more of the trail lies ahead.
     fn steer(&mut self, at: Position) -> Option<(Speed, TurnRate)> {
         while self.0.front()?.distance_to(at) <= AHEAD {
             self.0.pop_front();

@@ -9,14 +9,14 @@ robios_api::program!(main);
 
 /// The distance that the diagonal sensor keeps.
 const KEPT: Length = Length::metres(0.3);
-/// Readings beyond this are not of the wall being followed.
+/// Readings beyond this distance are not from the followed wall.
 const LOST: Length = Length::metres(0.5);
 /// The minimum distance to a wall ahead.
 const AHEAD: Length = Length::metres(0.25);
 const CRUISE: Speed = Speed::metres_per_second(0.2);
 /// Maximum turn rate, reached at a distance error of half of `KEPT`.
 const TURN: TurnRate = TurnRate::radians_per_second(1.0);
-/// Around a corner: with `CRUISE` a circle of 0.36 m.
+/// Turn rate around a corner: with `CRUISE` a circle of 0.36 m radius.
 const CORNER: TurnRate = TurnRate::radians_per_second(0.55);
 
 fn main(robot: &Robot) -> Result {

@@ -4,8 +4,8 @@
 //! not cut corners. The cost of a step is its length in metres times the factor of the cell that it enters. The choice among paths of
 //! equal cost is deterministic.
 //!
-//! For clearance, let `factor` return `None` for cells that are too near to obstacles (see [`distance`](crate::distance)), and higher
-//! costs for cells that are nearly too near.
+//! For clearance, `factor` can return `None` for cells that are too near to obstacles (see
+//! [`distance`](crate::distance)), and higher costs for cells at the edge of the clearance.
 //!
 //! Source: Hart, Nilsson & Raphael 1968; the rule about corners is our choice.
 
@@ -20,7 +20,7 @@ use crate::grid::{Cell, Frame, Grid};
 pub struct Path {
     /// The cells, from the start to the goal, both included.
     pub cells: Vec<Cell>,
-    /// The sum of the costs of the steps; the length in metres if all factors are 1.
+    /// The sum of the costs of the steps: the length in metres if all factors are 1.
     pub cost: f64,
 }
 

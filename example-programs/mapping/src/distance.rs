@@ -72,7 +72,7 @@ fn lower_envelope(heights: &[Option<i64>]) -> Vec<Option<u64>> {
         let difference = right.0 * right.0 - left.0 * left.0 + right.1 * right.1 - left.1 * left.1;
         difference.div_euclid(2 * (right.0 - left.0))
     };
-    // The parabolas of the envelope, each with the first column in which it is the lowest.
+    // The parabolas of the lower envelope, each with the first column in which it is the lowest.
     let mut envelope: Vec<((i64, i64), i64)> = Vec::new();
     for (x, height) in heights.iter().enumerate() {
         let Some(height) = height else { continue };

@@ -43,7 +43,7 @@ impl SonarPose {
 pub enum Side {
     /// The point with the greater membership, or the lower one if both are equal: the supremum of the paper.
     MostPossible,
-    /// The lower point, whatever the pitch of the sonar: the ground is no higher than that (our choice).
+    /// The lower point, whatever the pitch of the sonar: the ground is not above this point (our choice).
     Lower,
 }
 
@@ -72,7 +72,7 @@ pub struct Shadow {
 impl SonarModel {
     /// The SRF08 by Devantech: a beam of about 55 degrees between its points of -6 dB, up to 6 m.
     ///
-    /// Readings within 3 % and a cut at a membership of 0.05: our choice.
+    /// Readings have an error of at most 3 %, and the cut is at a membership of 0.05 (our choice).
     pub fn srf08() -> Self {
         Self { half_angle: 27.5 / 180.0 * PI, epsilon: 0.03, max: 6.0, min_membership: 0.05 }
     }
@@ -106,18 +106,19 @@ impl SonarModel {
             * self.membership_of_r(r, measured)
     }
 
-    /// Shadow of a reading at the point (x, y) of the plane: the supremum of S over z. The distance is taken as exact, so S is a spherical
-    /// cap, of which `side` chooses a point. `None` if the membership is below [`min_membership`](Self::min_membership).
+    /// Shadow of a reading at the point (x, y) of the plane: the supremum of S over z. The distance is taken as exact,
+    /// so S is a spherical cap, and `side` chooses one of its points. `None` if the membership is below
+    /// [`min_membership`](Self::min_membership).
     ///
-    /// Source: Gois and Hiller, section 3 (R neglected, the projection in closed form).
+    /// Source: Gois and Hiller, section 3, with R neglected and the projection in closed form.
     pub fn shadow(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<Shadow> {
         let (cosine, height) = cap_point(sonar, measured, x, y, side)?;
         let membership = self.membership_of_alpha(math::acos(cosine));
         (membership >= self.min_membership).then_some(Shadow { membership, height })
     }
 
-    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It serves as a comparison, since
-    /// it costs `steps` times as much.
+    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It takes
+    /// `steps` times as long and serves as a comparison.
     pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
         let max_distance = measured * (1.0 + 2.0 * self.epsilon);
         let height = |step: usize| sonar.origin.z + max_distance * (2.0 * step as f64 / steps as f64 - 1.0);
@@ -135,8 +136,8 @@ impl SonarModel {
         (self.half_angle * (-math::ln(self.min_membership) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
     }
 
-    /// Minimum and maximum of x and of y, relative to the sonar, of the points within the aperture up to a distance, as fractions of this
-    /// distance. The intervals are slightly larger, so that rounding excludes no point.
+    /// Extent of the points within the aperture: minimum and maximum of x and of y, relative to the sonar, as fractions
+    /// of the maximum distance. The intervals are slightly larger, so that rounding excludes no point.
     pub(crate) fn extents(&self, sonar: &SonarPose) -> [[f64; 2]; 2] {
         let aperture = self.aperture();
         let max_component = |along: f64| {
@@ -188,7 +189,7 @@ mod tests {
         let model = SonarModel::srf08();
         let middle = model.shadow(&down(3.0), 2.0, 0.0, 0.0, Side::MostPossible).unwrap();
         assert!((middle.membership - 1.0).abs() < 1e-12 && (middle.height - 1.0).abs() < 1e-12);
-        // At 0.6 m from the axis the cap of radius 2 m is higher than in its middle.
+        // The cap has the radius 2 m. At 0.6 m from the axis it is higher than in its middle.
         let off_axis = model.shadow(&down(3.0), 2.0, 0.0, 1.2 * 0.5, Side::MostPossible).unwrap();
         assert!((off_axis.height - (3.0 - (4.0f64 - 0.36).sqrt())).abs() < 1e-12);
         assert!((off_axis.membership - model.membership_of_alpha(math::asin(0.3))).abs() < 1e-12);
@@ -207,7 +208,7 @@ mod tests {
         assert_eq!(model.shadow(&level, 2.0, -2.0, 0.0, Side::MostPossible), None);
     }
 
-    /// Neglecting R changes the height by less than the width of R: the paper's reason for neglecting it.
+    /// Neglecting R changes the height by less than the width of R, so the paper neglects R.
     #[test]
     fn neglecting_range_errors_changes_little_for_steep_beams() {
         let model = SonarModel::srf08();

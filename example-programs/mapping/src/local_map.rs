@@ -59,9 +59,10 @@ impl LocalMap {
         self.tsk.fuse(&self.model, sonar, measured)
     }
 
-    /// Lowers the ground in front of a sonar whose line of sight is about level. A surface higher than `height` m that is nearer than
-    /// `distance` m, within `half_angle` rad to both sides of the line of sight, would have caused an echo. For each cell there that is
-    /// estimated to be higher, this height is added as a reading, weighted by the squared beam gain (there and back).
+    /// Lowers the ground in front of a sonar whose line of sight is about level. A surface higher than `height` m and
+    /// nearer than `distance` m, within `half_angle` rad on both sides of the line of sight, would have caused an echo.
+    /// So each cell there with a higher estimate gets `height` as a reading, weighted by the squared beam gain (there
+    /// and back).
     ///
     /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
     /// 1999); Gois and Hiller use readings only as evidence of occupied points.

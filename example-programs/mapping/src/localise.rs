@@ -1,10 +1,10 @@
-//! Corrects a pose from odometry by comparing readings with a map.
+//! Corrects a robot's odometry pose by comparing readings with a map.
 //!
 //! A [`Belief`] is a normal distribution of the robot's pose. [`Belief::moved`] adds a motion measured by odometry, with its errors.
-//! [`Belief::corrected`] multiplies the distribution by the likelihood of a scan at a grid of poses around its mean; the result is the mean
-//! and the covariance of the product. In a direction without information in the scan (along a corridor), the mean and the variance
-//! of odometry remain, without any threshold. [`measurement`](crate::measurement) has two [`PoseLikelihood`]s: of points on surfaces and of
-//! sonar ranges.
+//! [`Belief::corrected`] multiplies the distribution by the likelihood of a scan at a grid of poses around its mean.
+//! The result is the mean and the covariance of the product. Along a direction on which the scan has no information
+//! (such as the axis of a corridor), the mean and the variance of odometry remain, without any threshold.
+//! [`measurement`](crate::measurement) has two [`PoseLikelihood`]s: one of points on surfaces, one of sonar ranges.
 //!
 //! Source: Olson 2009, "Real-time correlative scan matching", sections III (product of likelihood and odometry over a grid of
 //! poses) and III.E (covariance from the grid); motion: Thrun, Burgard & Fox 2005, section 5.4. The window that follows the
@@ -43,8 +43,8 @@ pub struct Belief {
 
 /// Half width of the window of poses, in standard deviations.
 const WINDOW: f64 = 3.0;
-/// Number of positions along x and along y. The steps are 0.75 standard deviations, at which the moments of a normal distribution are exact
-/// to 1e-4.
+/// Number of positions along x and along y. With these steps of 0.75 standard deviations, the moments of a normal
+/// distribution are exact to 1e-4.
 const POSITIONS: usize = 9;
 /// Number of headings.
 const HEADINGS: usize = 13;
@@ -65,8 +65,8 @@ impl Belief {
         let mean = self.mean.then(&step);
         let offset = rotated(step.position.coords, self.mean.heading);
         let distance = offset.norm();
-        // The end of the motion turns about its start: by the heading error before the motion, and by half of the heading error of the
-        // motion.
+        // Heading errors turn the end of the motion about its start: by the heading error before the motion, and by
+        // half of the heading error of the motion.
         let lever = Vector3::new(-offset.y, offset.x, 0.0);
         let jacobian = Matrix3::new(1.0, 0.0, lever.x, 0.0, 1.0, lever.y, 0.0, 0.0, 1.0);
         let heading_sigma = math::hypot(noise.turn * step.heading, noise.drift * distance);
@@ -120,7 +120,8 @@ impl Window {
         ))
     }
 
-    /// Mean and covariance over the grid, and whether the grid is fine enough: whether its steps are at most a standard deviation.
+    /// Mean and covariance over the grid, and true if the grid is fine enough: its steps are at most one standard
+    /// deviation.
     fn moments(&self, prior: &Pose, information: &Matrix3<f64>, scan: &impl PoseLikelihood) -> (Belief, bool) {
         let steps = self.steps();
         let offsets = |axis: usize, count: usize| {
@@ -217,7 +218,7 @@ mod tests {
         let start = Belief::certain(Pose::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
         let turned = start.moved(&Pose::new(3.0, 1.0, 0.0), &Pose::new(3.0, 1.0, 1.0), &noise);
         assert!((turned.covariance[(2, 2)].sqrt() - 0.1).abs() < 1e-12 && turned.covariance[(0, 0)] == 0.0);
-        // 2 m forwards, along y of the map: the error of the heading moves the end along x.
+        // The robot moves 2 m forwards, along y of the map: the error of the heading moves the end along x.
         let back = Pose::new(3.0, 1.0, 0.0);
         let uncertain = Belief { covariance: turned.covariance, ..start };
         let moved = uncertain.moved(&back, &Pose::new(5.0, 1.0, 0.0), &noise);

@@ -1,8 +1,9 @@
 //! Likelihoods of scans on a map of occupied cells, as functions of the robot's pose ([`PoseLikelihood`]).
 //!
-//! [`Points`] is the likelihood of points on surfaces, from a laser scanner, from infrared sensors, or from lines through sonar arcs.
-//! [`Ranges`] is that of distances from wide sonars, which measure the distance of the nearest surface in the beam. Both treat an error of
-//! several standard deviations as an outlier, and use no readings without an echo.
+//! [`Points`] is the likelihood of points on surfaces, from a laser scanner, from infrared sensors, or from lines
+//! through sonar arcs. [`Ranges`] is the likelihood of distances from wide sonars, which measure the distance of the
+//! nearest surface in the beam. Both treat an error of several standard deviations as an outlier, and ignore readings
+//! without an echo.
 //!
 //! Source: Thrun, Burgard & Fox 2005, section 6.4 (likelihood field) and 6.3 (beam model, with the cases "hit" and "random" only).
 
@@ -19,12 +20,12 @@ use crate::pose::{Point, Vector, direction};
 pub struct Error {
     /// Standard deviation, including the error of the map, m.
     pub sigma: f64,
-    /// Likelihood of an outlier as a fraction of that of a reading without an error, in (0, 1).
+    /// Ratio of the likelihood of an outlier to that of a reading without an error, in (0, 1).
     pub outlier: f64,
 }
 
 impl Error {
-    /// Log-likelihood of an error in m, relative to that of no error.
+    /// Log-likelihood of an error in m, relative to the log-likelihood of no error.
     fn log(&self, error: f64) -> f64 {
         let normalised = error / self.sigma;
         math::ln((1.0 - self.outlier) * math::exp(-0.5 * normalised * normalised) + self.outlier)
@@ -65,7 +66,7 @@ impl LikelihoodField {
 /// Points on surfaces, grouped by reading.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Points<'a> {
-    /// The map.
+    /// Likelihood field of the map.
     pub field: &'a LikelihoodField,
     /// Points of each reading in the robot's frame. All readings have the same weight, whatever their number of points.
     pub readings: Vec<Vec<Point>>,
@@ -105,7 +106,7 @@ pub struct Ranges<'a> {
 }
 
 impl Ranges<'_> {
-    /// Distance from `position` to the nearest occupied cell in each of [`BINS`] directions; infinite without one.
+    /// Distance from `position` to the nearest occupied cell in each of [`BINS`] directions; infinite if there is none.
     fn view(&self, position: Point) -> Vec<f64> {
         let mut view = vec![f64::INFINITY; BINS];
         for point in self.occupied {
@@ -134,14 +135,14 @@ impl Ranges<'_> {
         let distances = beam.iter().filter_map(|(index, direction)| {
             let distance = view[(middle + index).rem_euclid(BINS as i64) as usize];
             let offset = direction * distance - rim;
-            // The beam begins at the rim, so it is narrower than a beam of this angle from the robot's middle.
+            // The beam begins at the rim, so it is narrower than a beam of the same angle from the robot's middle.
             (distance.is_finite() && offset.y.abs() <= offset.x * slope).then(|| offset.norm())
         });
         distances.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Angle in bins.
+/// Angle in bins of half a degree.
 fn bin(angle: f64) -> f64 {
     angle * BINS as f64 / TAU
 }
@@ -197,8 +198,8 @@ mod tests {
     /// Walls along x whose ends are out of range.
     const CORRIDOR: [[f64; 4]; 2] = [[-1.0, 0.0, 6.9, 0.0], [-1.0, 1.5, 6.9, 1.5]];
 
-    /// Points on the walls, 5 cm apart, up to `range` from the robot at `pose` and in its frame, as from a scanner with a view of 360
-    /// degrees.
+    /// Points on the walls, 5 cm apart, in the frame of the robot at `pose` and up to `range` from it, like those of a
+    /// 360 degree scanner.
     fn points(walls: &[[f64; 4]], pose: &Pose, range: f64) -> Vec<Vec<Point>> {
         let points_on = |wall: &[f64; 4]| {
             let (from, to) = (Point::new(wall[0], wall[1]), Point::new(wall[2], wall[3]));

@@ -37,10 +37,10 @@ impl OccupancyGrid {
         &self.partition
     }
 
-    /// Fuses a reading. In voxels within the beam the certainty of being empty rises if they are nearer than the reading, and the
-    /// certainty of being occupied if they are at its distance: if the ray through the voxel's centre meets the voxel at that distance. So
-    /// coarse voxels smear a reading by no more than their extent. The certainty of being occupied rises less the more voxels there are
-    /// at that distance, and the more certainly the voxel is empty.
+    /// Fuses a reading. In voxels of the beam that are nearer than the reading, the certainty of being empty rises. In
+    /// voxels at the reading's distance, the certainty of being occupied rises: less if more voxels are at that
+    /// distance, and less if the voxel is more certainly empty. A voxel is at a distance if the ray through its centre
+    /// meets the voxel there, so coarse voxels smear a reading by no more than their extent.
     pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) {
         let range_error = model.epsilon * measured;
         let max_half_band = range_error + 0.5 * (self.voxel_height + 2.0 * self.partition.cell);
@@ -81,7 +81,8 @@ impl OccupancyGrid {
                 sphere_interval((measured - max_half_band).max(0.0), horizontal_sq),
             );
             let (low, high) = (-inner.1, inner.1);
-            // Two layer ranges, below and above the inner sphere; layers in both (where the column misses that sphere) are taken once.
+            // Two layer ranges, below and above the inner sphere. Layers in both ranges (where the column misses that
+            // sphere) are taken once.
             let lower = self.layers_between(sonar.origin.z, in_cone, (outer.0, low));
             let upper = self.layers_between(sonar.origin.z, in_cone, (high, outer.1));
             let upper = upper.start.max(lower.end)..upper.end;
@@ -235,10 +236,10 @@ impl BeamParameters {
     }
 }
 
-/// exp(-`steepness` alpha^2) of the angle alpha with this cosine, at most a right angle; within 1e-4.
+/// exp(-`steepness` alpha^2) of the angle alpha with this cosine, which is at most a right angle; exact to 1e-4.
 ///
-/// Uses series for acos^2 about 1 and for the exponential function at a 16th of the exponent, whose 16th power is the result; without
-/// branches, so that compilers vectorise it.
+/// Uses series for acos^2 about 1 and for the exponential function of a 16th of the exponent; the 16th power of the
+/// latter is the result. There are no branches, so compilers can vectorise it.
 #[inline]
 fn gaussian(steepness: f32, cosine: f32) -> f32 {
     let u = (1.0 - cosine).max(0.0);
@@ -356,7 +357,7 @@ mod tests {
         }
     }
 
-    /// The limits in each column skip only voxels that a computation of all voxels would leave unchanged.
+    /// The layer limits of a column skip only voxels that a computation of all voxels would leave unchanged.
     #[test]
     fn fuse_matches_computation_voxel_by_voxel() {
         let (cell, voxel_height, layers) = (0.2, 0.15, 20);
@@ -409,7 +410,7 @@ mod tests {
         }
     }
 
-    /// Wide cells straight below do not smear a reading over heights: the voxels are thin along the ray.
+    /// Wide cells straight below do not smear a reading over heights, since the voxels are thin along the ray.
     #[test]
     fn coarse_cells_keep_the_height_of_a_reading() {
         let partition = Partition { cell: 1.2, columns: 2, rows: 2, low: (-1, -1) };

@@ -37,7 +37,7 @@ impl Pose {
         Point::from(rotated(point - self.position, -self.heading))
     }
 
-    /// Composition: the pose `other`, given in this frame, in the parent.
+    /// Composition: the pose `other` of this frame, expressed in the parent frame.
     pub fn then(&self, other: &Self) -> Self {
         Self { position: self.outward(other.position), heading: wrapped(self.heading + other.heading) }
     }

@@ -1,7 +1,8 @@
 //! Recursive least squares in UD form. The covariance is U D U^T with U unit upper triangular and D diagonal, so it stays symmetric
 //! and positive, even after many updates and with poor regressors.
 //!
-//! A prior regularises the estimate; the covariance never exceeds that of the prior. Forgetting acts only along measured directions.
+//! A prior regularises the estimate, and the covariance never exceeds that of the prior. Forgetting acts only along
+//! measured directions.
 
 /// Estimates the parameters p of y = phi . p from one equation at a time.
 ///
@@ -14,9 +15,9 @@ pub struct Rls {
     upper: Vec<f64>,
     diagonal: Vec<f64>,
     forgetting: f64,
-    /// U^T phi; like `gain` a buffer of an update that is reused.
+    /// Buffer for U^T phi, reused between updates.
     projected: Vec<f64>,
-    /// P phi, with the covariance P.
+    /// Buffer for P phi with the covariance P, reused between updates.
     gain: Vec<f64>,
 }
 
@@ -47,8 +48,9 @@ fn column_start(j: usize) -> usize {
 impl Rls {
     /// Parameters with the prior `mean` and `variance`, independent of each other.
     ///
-    /// `forgetting` is in (0, 1]; 1 is no forgetting. Below 1, the variance of the measured combination of parameters is never less than
-    /// (1 - forgetting) times that of the equation, so the memory is about 1 / (1 - forgetting) equations long.
+    /// `forgetting` is in (0, 1]; 1 means no forgetting. Below 1, the variance of the measured combination of
+    /// parameters is at least (1 - forgetting) times the variance of the equation, so the memory is about
+    /// 1 / (1 - forgetting) equations long.
     ///
     /// # Panics
     /// If the lists differ in length, a variance is not above 0 and finite, or `forgetting` is outside (0, 1].
@@ -113,7 +115,7 @@ impl Rls {
         let inflated = predicted / self.forgetting;
         let posterior = (inflated * variance / (inflated + variance)).min(predicted);
         let scale = inflated / (predicted * (inflated + variance));
-        // A measurement with this variance reduces the predicted variance to `posterior`.
+        // Bierman's update with this variance reduces the predicted variance to `posterior`.
         let effective = predicted * posterior / (predicted - posterior);
         match effective.is_finite() && effective > 0.0 {
             true => self.update_factors(effective),
@@ -131,7 +133,8 @@ impl Rls {
     /// If there is no such parameter or `variance` is not above 0 and finite.
     pub fn reset(&mut self, index: usize, mean: f64, variance: f64) {
         assert!(variance > 0.0 && variance.is_finite(), "a variance above 0");
-        // The contribution of column `index` to the covariance of the parameters before it moves to their columns.
+        // Contribution of column `index` to the covariance of the parameters before it; it moves to the columns of
+        // these parameters.
         let mut dyad = self.upper[column_start(index)..column_start(index) + index].to_vec();
         let weight = self.diagonal[index];
         self.add_dyad(&mut dyad, weight);
@@ -306,7 +309,8 @@ mod tests {
         for forgetting in [1.0, 0.999, 0.9] {
             let mut rls = Rls::new(&[0.0; 6], &[1e4; 6], forgetting);
             for step in 0..1_000_000u32 {
-                // A constant direction, its double, a zero regressor, a tiny one; parameter 5 is never measured.
+                // The regressors: a constant direction, its double, zero, and a tiny one. Parameter 5 is never
+                // measured.
                 let regressor: &[(usize, f64)] = match step % 4 {
                     0 => &[(0, 1.0), (1, 1.0), (2, -1.0)],
                     1 => &[(0, 2.0), (1, 2.0), (2, -2.0)],
@@ -322,7 +326,7 @@ mod tests {
             assert_eq!((rls.parameters()[5], rls.variance(5)), (0.0, 1e4), "nothing was said of it");
             let eigenvalues = covariance.symmetric_eigenvalues();
             assert!(eigenvalues.max() <= 1e4 * (1.0 + 1e-9), "no wind-up: {eigenvalues}");
-            // Tolerance for rounding in the product that the test forms.
+            // Tolerance for rounding in the matrix product of the test.
             assert!(eigenvalues.min() > -1e-10 * 1e4, "positive: {eigenvalues}");
             let sum = rls.parameters()[0] + rls.parameters()[1] - rls.parameters()[2];
             assert!((sum - 1.0).abs() < 0.01, "the one thing that is measured: {sum}");

@@ -1,9 +1,9 @@
 //! Map of Wu et al. 2013: lines between the readings of neighbouring sonars, drawn into a grid.
 //!
-//! The sonars are on the rim of a round robot, a sector apart, and each beam is as wide as its sector. A reading is an arc that the
-//! nearest surface of the sector touches at some point; the neighbours' readings determine this point. A [`Fan`] converts readings to a
-//! [`Model`] of lines. A [`SectorMap`] draws the models of a stop into a local grid (Eq. 2 and 3) and merges this grid into the global one
-//! (Eq. 4).
+//! The sonars are on the rim of a round robot, one sector apart, and each beam is as wide as its sector. A reading is
+//! an arc that touches the nearest surface of the sector at some point; the neighbours' readings determine this point.
+//! A [`Fan`] converts readings to a [`Model`] of lines. A [`SectorMap`] draws the models of one stop into a local grid
+//! (Eq. 2 and 3) and merges this grid into the global one (Eq. 4).
 //!
 //! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". The docs of the items, and `docs/mapping.md`, list the
 //! errors and omissions of the text with our solutions.
@@ -24,7 +24,7 @@ pub const UNKNOWN: f64 = 0.5;
 /// Sonars around a robot. Lengths in metres, angles in radians.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Fan {
-    /// The angle of a sector, and between neighbouring sonars.
+    /// The angle of a sector; also the angle between neighbouring sonars.
     pub sector: f64,
     /// The radius of the robot; the sonars are on its rim.
     pub radius: f64,
@@ -114,13 +114,15 @@ impl Fan {
 
     /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
     ///
-    /// Solutions for what the text omits:
-    /// - readings that are equal within [`EQUAL_READINGS`]: three equal readings are `WallAhead`; two are `WallBeside`, on the side
-    ///   of the neighbour whose reading is not larger. Otherwise a line would cut off a corner that lies at a common edge;
-    /// - open on both sides (a post): the same as other faults on both sides;
-    /// - a sector at the end of the fan has one neighbour: the other one is `None`, so the relation to it is open;
-    /// - length of the line of a one-sided fault: to the middle of the sector (`FaultBeyond`), since the surface is
-    ///   known only at the common edge; to the tangent point (`FaultBefore`), where the echo came from.
+    /// Our choices where the text is silent:
+    ///
+    /// - Readings count as equal within [`EQUAL_READINGS`]. Three equal readings are `WallAhead`. Two are `WallBeside`,
+    ///   on the side of the neighbour whose reading is not larger; otherwise a line would cut off a corner that lies at
+    ///   a common edge.
+    /// - Open on both sides (a post): the same as other faults on both sides.
+    /// - A sector at the end of the fan has one neighbour. The other one is `None`, so the relation to it is open.
+    /// - Length of the line of a one-sided fault: up to the middle of the sector (`FaultBeyond`), since the surface is
+    ///   known only at the common edge; up to the tangent point (`FaultBefore`), from which the echo came.
     pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
         let Some(own_distance) = own else { return Model { case: Case::Silent, lines: Vec::new() } };
         let if_continuous = |other: Option<f64>| match other {
@@ -192,8 +194,8 @@ impl Fan {
         ((1.0 - fraction * fraction).max(0.6), (fraction * fraction).min(0.4))
     }
 
-    /// Probability of the cells of a sector without an echo (Eq. 3): the mean of the probability of free cells in front
-    /// of an echo at R_max and the probability S of cells behind a mirror, which are unknown (S = 0.5: our choice).
+    /// Probability of the cells of a sector without an echo (Eq. 3). It is the mean of two probabilities: of free cells
+    /// in front of an echo at R_max, and of cells behind a mirror, S, which are unknown (S = 0.5: our choice).
     pub fn silent_probability(&self) -> f64 {
         0.5 * (self.probabilities(self.farthest).1 + UNKNOWN)
     }
@@ -266,7 +268,7 @@ impl Model {
 /// Algorithm that draws lines into the grid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Raster {
-    /// Point-by-point comparison, as the paper uses.
+    /// Point-by-point comparison, which the paper uses.
     PointByPoint,
     /// DDA, which the paper also mentions.
     Dda,
@@ -283,8 +285,8 @@ pub struct Reading {
 
 /// Readings of all sonars at one instant.
 ///
-/// Its text has the robot's x, y and heading, then the distances from right to left with `-` for no echo, in metres and radians; printing
-/// and parsing are exact inverses.
+/// As text, a look is the robot's x, y and heading, then the distances from right to left with `-` for no echo, in
+/// metres and radians. Printing and parsing are exact inverses.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Look {
     /// The robot's pose in the map's frame.
@@ -371,7 +373,8 @@ impl SectorMap {
     }
 }
 
-/// Global probability of a cell after merging a local one (Eq. 4): the one farther from 0.5, or the old one if both are equally far.
+/// Global probability of a cell after merging a local one (Eq. 4): the one farther from 0.5, or the old one if both are
+/// equally far from it.
 ///
 /// A confident error is therefore never corrected by any number of less confident readings; log-odds
 /// ([`log_odds`](crate::log_odds)) correct it.
@@ -381,9 +384,9 @@ pub fn updated(old: f64, new: f64) -> f64 {
 
 /// Local grid of one stop: the models of all sectors, in the cells of the global frame.
 ///
-/// The cells under the robot are free. Where sectors overlap (after turning at a fault), a cell of a line is dropped if it is in the core
-/// of another sector and nearer than that sector's arc, since the other sonar would have received its echo. Then occupied takes precedence
-/// over free, and the more certain value over the less certain one.
+/// The cells under the robot are free. Sectors overlap after the robot turned at a fault. There, a line's cell is
+/// dropped if it is in the core of another sector and nearer than that sector's arc, since the other sonar would have
+/// received its echo. Then occupied takes precedence over free, and a more certain value over a less certain one.
 pub fn local_map(frame: &Frame, fan: &Fan, raster: Raster, readings: &[Reading]) -> Grid<f64> {
     let sectors: Vec<Sector> = readings.iter().map(|reading| Sector::new(fan, reading, readings)).collect();
     let mut occupied = Grid::new(*frame, UNKNOWN);
@@ -443,7 +446,7 @@ impl Sector {
         }
     }
 
-    /// Marks the cells of the lines as occupied, except those that another sector shows to be free.
+    /// Marks the cells of the lines as occupied, except cells that another sector shows to be free.
     fn mark_lines(&self, fan: &Fan, raster: Raster, sectors: &[Self], occupied: &mut Grid<f64>) {
         let Some(distance) = self.distance else { return };
         let frame = *occupied.frame();
@@ -467,7 +470,8 @@ impl Sector {
 
 /// Cells of a line that are in the grid.
 fn line_cells(frame: &Frame, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
-    // A line may be partly outside the grid, so its cells are determined in a larger grid; then those outside are dropped.
+    // A line may be partly outside the grid, so its cells are determined in a larger grid, and the cells outside
+    // `frame` are dropped.
     let margin = ((to - from).norm() / frame.cell_size()).ceil() + 2.0;
     let origin = frame.origin() - crate::pose::Vector::repeat(margin * frame.cell_size());
     let enlarged = |cells: usize| cells + 2 * margin as usize;
@@ -522,7 +526,7 @@ mod tests {
         check(1.0, limit + 1e-6, Relation::Interval);
         check(1.0, 1.24 - 1e-9, Relation::Interval);
         check(1.0, 1.24 + 1e-9, Relation::Gap);
-        // At a large distance d no reading is an interval: d / cos a - d is more than 2 r.
+        // At a large distance d no relation is an interval, since d / cos a - d is more than 2 r.
         check(2.0, 2.0 * limit + 1e-6, Relation::Gap);
         for pair in [(None, Some(1.0)), (Some(1.0), None), (None, None)] {
             assert_eq!(FAN.relation(pair.0, pair.1), Relation::Open);
@@ -640,7 +644,7 @@ mod tests {
         assert_eq!(by_equation_4, wrong);
         by_log_odds.add(cell, log_odds(right));
         assert!(by_log_odds.probabilities()[cell] < 0.05);
-        // Only a value of more confidence than the error replaces it.
+        // Only a value with more confidence than the error replaces the error.
         assert_eq!(updated(wrong, 0.01), 0.01);
     }
 

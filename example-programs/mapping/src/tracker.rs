@@ -1,11 +1,13 @@
-//! Maps of sonar sectors ([`sector`](crate::sector)) with the pose corrected at each look, instead of odometry alone.
+//! Maps of sonar sectors ([`sector`](crate::sector)) with a pose corrected at each look, instead of odometry alone.
 //!
-//! A [`Tracker`] adds the motion since the last look to its [`Belief`] and corrects it by the readings of the look on the map
-//! made so far: that of all earlier stops, and of the earlier looks of this stop. Readings go into the map with the corrected pose; the
-//! map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected again.
+//! A [`Tracker`] adds the motion since the last look to its [`Belief`]. It corrects the belief by comparing the look's
+//! readings with the map so far, from all earlier stops and the earlier looks of this stop. Readings go into the map
+//! with the corrected pose. The map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected
+//! again.
 //!
-//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (the alternative to many maps, one for
-//! each particle). The map of the stop itself is our choice: it holds what the robot heard before it turned around.
+//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (the alternative to many
+//! maps, one for each particle). The map of the current stop is our choice: it contains the readings from before the
+//! robot turned around.
 
 use crate::grid::{Frame, Grid};
 use crate::localise::{Belief, OdometryNoise};
@@ -14,12 +16,12 @@ use crate::pose::{Point, Pose};
 use crate::score::OCCUPIED;
 use crate::sector::{Fan, Look, Raster, Reading, SectorMap};
 
-/// How a pose is corrected.
+/// Settings of the pose correction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Correction {
-    /// Error of a reading.
+    /// Error distribution of a reading.
     pub error: Error,
-    /// Error of odometry.
+    /// Errors of odometry.
     pub odometry: OdometryNoise,
 }
 
@@ -141,7 +143,7 @@ mod tests {
         (-3..=3).map(of_sonar).collect()
     }
 
-    /// Odometry that turns too far and drifts to one side: most of its error is taken back.
+    /// Odometry turns too far and drifts to one side; the tracker removes most of this error.
     #[test]
     fn drift_is_taken_back() {
         let room = room();

@@ -18,8 +18,8 @@ pub type CellIndex = (i64, i64);
 
 /// A rectangle of cells of the square lattice that has a cell corner at (0, 0).
 ///
-/// Each cell has a slot, an index computed from its column and row modulo the size: cells that stay in the rectangle when it moves keep
-/// their slots.
+/// Each cell has a slot, an index computed from its column and row modulo the size. So cells that stay in the rectangle
+/// when it moves keep their slots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Partition {
     /// Side of a cell, m.
@@ -106,10 +106,12 @@ impl Order {
 /// Conversion of a reading to equations for the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fusion {
-    /// One equation for each reading (Eq. 3): the weighted average of the rules' outputs equals that of the cap's heights.
+    /// One equation for each reading (Eq. 3): the weighted average of the rules' outputs equals the weighted average of
+    /// the cap's heights.
     Average,
-    /// One equation for each activated rule, weighted by the activation: its output equals the height of the cap over its cell. Our
-    /// choice, and more accurate: an average over many cells leaves the differences between them undetermined.
+    /// One equation for each activated rule, weighted by the activation: the rule's output equals the height of the cap
+    /// over its cell. This is our choice and more accurate: an average over many cells leaves the differences between
+    /// them undetermined.
     ///
     /// The echo comes from the nearest surface in the beam, so the ground touches the cap somewhere and lies below it everywhere
     /// else. The weight of an equation that would raise the height is therefore multiplied by `above` (asymmetric least squares, Newey
@@ -181,7 +183,7 @@ pub fn activations(
     measured: f64,
     side: Side,
 ) -> Vec<Activation> {
-    // Slightly reduced, so that rounding drops no point at the edge of the beam.
+    // Slightly reduced, so that rounding excludes no point at the edge of the beam.
     let min_cosine = math::cos(model.aperture()) - 1e-9;
     let offset = |sample: usize| ((sample as f64 + 0.5) / SAMPLES as f64 - 0.5) * partition.cell;
     let activation_of = |index: CellIndex| {
@@ -203,7 +205,8 @@ pub fn activations(
         if max_cosine < min_cosine {
             return None;
         }
-        // The membership falls with the angle, so it is computed only for points whose cosine is the maximum, except for rounding.
+        // The membership decreases with the angle. So it is computed only for the points with the maximum cosine,
+        // within rounding.
         points[..count]
             .iter()
             .copied()
@@ -218,8 +221,8 @@ pub fn activations(
     partition.cells_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(activation_of).collect()
 }
 
-/// Point of the plane at the measured distance from a sonar, in the direction of the point (x, y); `None` if that is at the sonar, or more
-/// than a cell away from the result.
+/// Point of the plane at the measured distance from a sonar, in the direction of the point (x, y). `None` if (x, y) is
+/// at the sonar, or more than a cell away from the result.
 fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let (square, nearest) = (dx * dx + dy * dy, (measured - cell).max(0.0));
@@ -234,8 +237,8 @@ fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Optio
 
 /// The height map.
 ///
-/// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the middle of its cell and in units of cells: the same
-/// plane as in the paper, with coefficients of similar magnitude.
+/// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the middle of its cell and in
+/// units of cells. It is the paper's plane, with coefficients of similar magnitude.
 #[derive(Clone, Debug)]
 pub struct Tsk {
     partition: Partition,
@@ -363,8 +366,8 @@ impl Tsk {
         Some(self.output(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: 0.0 }))
     }
 
-    /// Standard deviation of the height in the middle of the cell that contains (x, y), m; `None` outside the partition. It begins with
-    /// that of the prior and falls with the readings.
+    /// Standard deviation of the height in the middle of the cell that contains (x, y), m; `None` outside the
+    /// partition. It starts at the prior standard deviation and decreases with each reading.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let variance = match &self.estimate {
@@ -514,7 +517,8 @@ mod tests {
         let fused = |above: f64| {
             let mut tsk = Tsk::new(partition(), Settings { fusion: Fusion::Cells { above }, ..Settings::default() });
             for step in 0..200 {
-                // Level ground at 0, with sonars above all of it: each cap touches the ground at one point and is higher elsewhere.
+                // Level ground at 0 with sonars above it: each cap touches the ground at one point and is higher
+                // elsewhere.
                 tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.02 * f64::from(step), 2.3), 2.0);
             }
             tsk.height(0.75, 2.25).unwrap()

@@ -1,4 +1,4 @@
-/* Section 5.1: robot 1 sends 4000 messages of 32 bytes; robot 2 prints how many arrive, and how many of their bits are wrong. */
+/* Section 5.1: robot 1 sends 4000 messages of 32 bytes. Robot 2 prints how many messages arrive and how many of their bits are wrong. */
 #include <stdio.h>
 #include <string.h>
 #include "eyebot.h"

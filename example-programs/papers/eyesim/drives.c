@@ -1,4 +1,4 @@
-/* Section 2: drives by the v-omega interface; prints kind, length in m and angle in rad of each when it has ended. */
+/* Section 2: drives by the v-omega interface. Prints kind, length in m and angle in rad of each drive when it has ended. */
 #include <math.h>
 #include <stdio.h>
 #include "eyebot.h"

@@ -1,4 +1,4 @@
-/* Section 5: prints the numbers of black, of white and of all pixels of 200 grey images, without their border. */
+/* Section 5: prints the numbers of black, white and all pixels of 200 grey images, without the images' borders. */
 #include <stdio.h>
 #include "eyebot.h"
 

@@ -1,5 +1,5 @@
-/* Section 6.2: robots send the present time to all others at random instants; each prints how many messages it received, and how many of
-   them were sent later than they were received. */
+/* Section 6.2: robots send the current time to all others at random instants. Each robot prints the number of messages that it received,
+   and the number of those with a time of sending later than the time of receipt. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Section 8: takes an image and prints how many different levels it has. */
+/* Section 8: takes an image and prints its number of different levels. */
 #include <stdio.h>
 #include "eyebot.h"
 

@@ -1,5 +1,5 @@
-/* Section 7: pre-emptive tasks that count under a semaphore, each of which yields in the middle of a count, and one that is suspended,
-   readied and killed; prints the counts. The argument `loose` leaves out the semaphore. */
+/* Section 7: pre-emptive tasks count under a semaphore, and each yields in the middle of a count; another task is suspended, readied and
+   killed. Prints the counts. The argument `loose` leaves out the semaphore. */
 #include <stdio.h>
 #include <string.h>
 #include "eyebot.h"

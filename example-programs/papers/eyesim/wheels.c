@@ -1,5 +1,5 @@
-/* Section 2: drives the wheels at fixed fractions of their maximum rates and prints them once all wheels have them. The argument `4` is for
-   four Mecanum wheels. */
+/* Section 2: drives the wheels at fixed fractions of their maximum rates, and prints the fractions once all wheels have reached them.
+   The argument `4` is for four Mecanum wheels. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "eyebot.h"

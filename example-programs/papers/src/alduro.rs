@@ -17,10 +17,10 @@ const WALKS: usize = 20;
 /// Number of training and of held-out terrains in a comparison.
 const COMPARED: usize = 40;
 
-/// Makes the page of the walks of section 5, over `terrains` terrains, 20 if not given.
+/// Makes the page of the walks of section 5, over `terrains` terrains (20 by default).
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn run(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
     let mut page = Page::new("A walk over unstructured terrain", source);
@@ -28,26 +28,27 @@ pub fn run(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// Makes the page that compares maps of sections 3 and 4, with `terrains` training and as many held-out terrains, 40 if not given.
+/// Makes the page that compares maps of sections 3 and 4, with `terrains` training terrains and as many held-out ones
+/// (40 by default).
 ///
 /// # Errors
-/// A scene that does not run to its end; a search that does not enclose the optimum.
+/// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn fusion(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     comparison::page(job, terrains.unwrap_or(COMPARED))
 }
 
 /// Computes a row of the published errors of maps again, from the published settings (`docs/papers/fusion-settings.csv`).
 ///
-/// # Errors
-/// A table without settings for all methods; a scene that does not run to its end.
+/// Recomputes a row of the published map errors from the published settings (`docs/papers/fusion-settings.csv`).
+/// If a table lacks settings for a method, or a scene does not run to its end.
 pub fn fusion_sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     comparison::sample(job, settings)
 }
 
-/// Makes the page that compares the planner's equations, over `terrains` terrains, 40 if not given.
+/// Makes the page that compares the planner's equations, over `terrains` terrains (40 by default).
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn planner(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     planner::page(job, terrains.unwrap_or(COMPARED))
 }

@@ -1,5 +1,5 @@
-//! A page of the docs with places for tables: `<!-- papers: PAPER -->` for a paper's claims, `<!-- papers: PAPER/TABLE -->` for
-//! one of its tables, each up to the next `<!-- end -->`.
+//! A page of the docs with places for tables: `<!-- papers: PAPER -->` begins the place of a paper's claims,
+//! `<!-- papers: PAPER/TABLE -->` the place of one of its tables. The next `<!-- end -->` ends a place.
 
 use std::fs;
 use std::ops::Range;
@@ -24,7 +24,7 @@ impl Doc {
     /// Reads the page.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// If the file cannot be read.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text = fs::read_to_string(path).with_context(|| format!("cannot read `{}`", path.display()))?;
         Ok(Self { path: path.to_owned(), text })
@@ -33,19 +33,19 @@ impl Doc {
     /// Writes the tables of a paper into their places.
     ///
     /// # Errors
-    /// No place for the claims; a place for a table that the paper does not have, or without an end.
+    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
     pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
-        // From the last to the first, so that the earlier places stay valid.
+        // From the last to the first, so that the ranges of earlier places stay valid.
         for (range, table) in self.places(paper, page)?.into_iter().rev() {
             self.text.replace_range(range, &table);
         }
         Ok(())
     }
 
-    /// Writes the figures and tables to which the page has a link into the folder `papers` beside it.
+    /// Writes the figures and tables to which the page links into the folder `papers` beside the page.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If a file cannot be written.
     pub fn write_linked(&self, page: &Page) -> anyhow::Result<()> {
         let folder = self.path.with_file_name("papers");
         let svgs = page.figures().filter_map(|figure| match &figure.picture {
@@ -64,7 +64,7 @@ impl Doc {
     /// Differences between the tables of a paper and the page, as one message for each line.
     ///
     /// # Errors
-    /// No place for the claims; a place for a table that the paper does not have, or without an end.
+    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
     pub fn differences(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<String>> {
         let path = self.path.display();
         let mut differences = Vec::new();
@@ -90,7 +90,7 @@ impl Doc {
     /// Writes the page.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If the file cannot be written.
     pub fn write(self) -> anyhow::Result<()> {
         fs::write(&self.path, self.text).with_context(|| format!("cannot write `{}`", self.path.display()))
     }
@@ -98,7 +98,7 @@ impl Doc {
     /// Places of a paper's tables, from top to bottom, each with its new content.
     ///
     /// # Errors
-    /// No place for the claims; a place for a table that the paper does not have, or without an end.
+    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
     fn places(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<(Range<usize>, String)>> {
         let path = self.path.display();
         let mut ranges = Vec::new();

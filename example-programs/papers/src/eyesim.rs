@@ -1,7 +1,8 @@
-//! Koestler and Bräunl, *Mobile Robot Simulation with Realistic Error Models*: the simulator's own paper, statement by statement.
+//! Koestler and Bräunl, *Mobile Robot Simulation with Realistic Error Models*: the paper on the original simulator,
+//! statement by statement.
 //!
-//! Each statement is tried by a program of `eyesim/`. What must come out is computed here from the paper's formulas, without the
-//! simulator's models.
+//! A program of `eyesim/` tests each statement. This module computes the expected values from the paper's formulas,
+//! without the simulator's models.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -17,46 +18,55 @@ use crate::trace::{Entry, Event, Trace};
 /// p-value below which a statement about random numbers is rejected.
 const REJECT: f64 = 0.001;
 
-/// `robis/scout.robi`: diameter of the wheels and track, m; maximum rate of a wheel, rad/s.
+/// `robis/scout.robi`: wheel diameter and track, m; maximum rate of a wheel, rad/s.
 const SCOUT: [f64; 3] = [0.054, 0.1, 20.0 * PI];
-/// `robis/mecanum.robi`, likewise, and its wheelbase, m.
+/// `robis/mecanum.robi`: wheel diameter and track, m; maximum rate of a wheel, rad/s.
 const MECANUM: [f64; 3] = [0.1, 0.22, 4.0 * PI];
+/// Wheelbase of the Mecanum robot, m.
 const WHEELBASE: f64 = 0.24;
-/// The scout's PSDs in the order of `eyesim/spin.c`: name, and angle on its circle and of its ray, rad.
+/// The scout's PSDs in the order of `eyesim/spin.c`: name, and the angle of its position on the circle and of its ray,
+/// rad.
 const PSDS: [(&str, f64); 4] =
     [("PSD_FRONT", 0.0), ("PSD_LEFT", FRAC_PI_2), ("PSD_RIGHT", -FRAC_PI_2), ("PSD_BACK", PI)];
 /// Distance of the PSDs from the robot's centre, m.
 const PSD_RADIUS: f64 = 0.08;
-/// Size of the room in which PSDs and cameras look at walls, and place of the robot in it, m.
+/// Size of the room in which PSDs and cameras look at walls, m.
 const ROOM: DVec2 = DVec2::new(1.6, 1.2);
+/// Position of the robot in the room, m.
 const PLACE: DVec2 = DVec2::new(0.9, 0.5);
 
-/// Standard deviations of the noise on PSD and speed, m and m/s.
+/// Standard deviation of the noise on PSD readings, m.
 const PSD_SIGMA: f64 = 0.02;
+/// Standard deviation of the noise on speeds, m/s.
 const SPEED_SIGMA: f64 = 0.05;
-/// Probability P_e of impulse noise, and fraction of white pixels in it.
+/// Probability P_e of impulse noise in a pixel.
 const IMPULSE: f64 = 0.05;
+/// Fraction of white pixels in the impulse noise.
 const SALT: f64 = 0.3;
-/// P_b and P_p; messages of `eyesim/channel.c` and their bits.
+/// Bit error probability P_b of the radio.
 const BIT_ERRORS: f64 = 1e-3;
+/// Packet loss probability P_p of the radio.
 const PACKET_LOSS: f64 = 0.05;
+/// Number of messages that `eyesim/channel.c` sends.
 const MESSAGES: u64 = 4000;
+/// Number of bits in each message.
 const BITS: u64 = 32 * 8;
-/// Virtual time that a PSDGet costs in the table of the scene, us.
+/// Virtual time of a PSDGet call, as the table in the scene sets it, us.
 const COST_US: f64 = 1500.0;
-/// Robots with a camera.
+/// Number of robots with a camera.
 const CROWD: usize = 300;
-/// Robots that send the time to each other.
+/// Number of robots that send the time to each other.
 const SENDERS: usize = 8;
 
-/// Tolerances: positions and distances, m; angles, rad.
+/// Tolerance of positions and distances, m.
 const EXACT_M: f64 = 1e-9;
+/// Tolerance of angles, rad.
 const EXACT_RAD: f64 = 1e-9;
 
 /// Makes the page.
 ///
 /// # Errors
-/// A scene that does not run to its end, or a program that prints something else than it should.
+/// If a scene does not run to its end, or a program prints other values than expected.
 pub fn run(job: &Job) -> anyhow::Result<Page> {
     let source = "A. Koestler, T. Bräunl: Mobile Robot Simulation with Realistic Error Models";
     let mut page = Page::new("EyeSim, statement by statement", source);
@@ -146,18 +156,18 @@ fn scenes(job: &Job) -> Vec<Run> {
     ]
 }
 
-/// A statement that could have turned out to be wrong.
+/// A claim whose result comes from a measurement.
 fn claim(section: &str, paper: &str, ours: &str, number: String, holds: bool) -> Claim {
     let (section, paper, ours) = (section.to_owned(), paper.to_owned(), ours.to_owned());
     Claim { section, paper, ours, number, holds, weight: Weight::Must, basis: Basis::Found }
 }
 
-/// The numbers of a line.
+/// Parses the numbers of a line.
 fn numbers(line: &str) -> anyhow::Result<Vec<f64>> {
     line.split_whitespace().map(|word| word.parse().with_context(|| format!("`{line}`"))).collect()
 }
 
-/// The numbers of the only line that a robot prints.
+/// Parses the numbers of the only line that a robot prints.
 fn only<const N: usize>(trace: &Trace, robot: u32) -> anyhow::Result<[f64; N]> {
     let lines: Vec<_> = trace.printed(robot).collect();
     anyhow::ensure!(lines.len() == 1, "one line from robot {robot}, not {}", lines.len());
@@ -173,7 +183,7 @@ fn poses(trace: &Trace) -> Vec<(f64, DVec2, f64)> {
     trace.of_robot(1).filter_map(pose).collect()
 }
 
-/// Difference of two angles, in (-pi, pi].
+/// Angle from one heading to another, in (-pi, pi].
 fn turn(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(2.0 * PI);
     if turn > PI { turn - 2.0 * PI } else { turn }
@@ -190,14 +200,15 @@ fn displacement([vx, vy, omega]: [f64; 3], seconds: f64) -> (DVec2, f64) {
     (DVec2::new(vx * along - vy * lateral, vx * lateral + vy * along), angle)
 }
 
-/// Maximum deviations of the motion in each slot from the twist that follows from the wheels: m, rad, and number of slots.
+/// Maximum deviations of the motion in each slot from the twist that the wheel rates imply (m, rad), and the number of
+/// slots.
 fn slots(trace: &Trace, twist: impl Fn(&[f64]) -> [f64; 3]) -> anyhow::Result<(f64, f64, usize)> {
     let poses = poses(trace);
     let (mut off, mut turned, mut count) = (0.0_f64, 0.0_f64, 0);
     for (since, line) in trace.printed(1) {
         let twist = twist(&numbers(line)?);
         for [(begin, from, phi), (end, to, psi)] in poses.array_windows() {
-            // The rates of all wheels are constant for a second from the printed line on.
+            // The rates of all wheels are constant for a second after the printed line.
             if *begin < since || *end > since + 1.0 {
                 continue;
             }
@@ -281,7 +292,7 @@ fn v_omega(trace: &Trace) -> anyhow::Result<Claim> {
     ))
 }
 
-/// Distance from a point in the room to its walls, along a direction.
+/// Distance from a point in the room to its walls, along a direction, m.
 fn to_wall(from: DVec2, direction: DVec2) -> f64 {
     let along = |from: f64, component: f64, size: f64| {
         if component > 0.0 { (size - from) / component } else { -from / component }
@@ -304,7 +315,7 @@ fn rays(trace: &Trace) -> anyhow::Result<Claim> {
         if *begin > *measured_s {
             continue;
         }
-        // It turns evenly.
+        // Within a slot the robot turns at a constant rate.
         let heading = from + turn(*from, *to) * (measured_s - begin) / (end - begin);
         let direction = DVec2::from_angle(heading + angle);
         worst = worst.max((to_wall(PLACE + PSD_RADIUS * direction, direction) - distance).abs());
@@ -374,7 +385,7 @@ fn gaussian_speed(trace: &Trace) -> anyhow::Result<Claim> {
         before = position.x;
     }
     anyhow::ensure!(errors.len() == 400, "{} drives", errors.len());
-    // A drive of 1 s has 100 ticks of 10 ms, each with an error of its own: docs/noise.md.
+    // A drive of 1 s has 100 ticks of 10 ms, each with its own error: docs/noise.md.
     let sigma = 0.01 * 100_f64.sqrt() * SPEED_SIGMA;
     let moments = Moments::of(&errors);
     let (mean, spread) = (moments.mean_is(0.0, sigma * sigma), moments.variance_is(sigma * sigma));

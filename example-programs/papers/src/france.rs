@@ -1,7 +1,8 @@
 //! France et al. 1999, sections 5 and 6: proximity sensors on the leg of a walking robot.
 //!
-//! The biped walks through a dining room towards a small obstacle, once with each sensor at each place, without noise and with
-//! that of section 5. Its program computes the profile of the ground; this module compares the profile with the truth.
+//! The biped walks through a dining room towards a small obstacle, once for each sensor, mount point and noise setting:
+//! none, or that of section 5. Its program computes the profile of the ground. This module compares the profile with
+//! the truth.
 
 mod side;
 mod walk;
@@ -18,15 +19,16 @@ use sim_core::time::Time;
 use sim_host::launch::Options;
 pub use walk::{Kind, Met, Moment, MountPoint, SCENE, Sample, Thing, Truth, Walk};
 
-/// The speed of the walk, mm/s: the stride of the gait (1.43 m for legs of this length) once in its period.
+/// Speed of the walk, mm/s: one stride of the gait (1.43 m for legs of this length) per gait period.
 pub const SPEED_MM_S: u32 = 1300;
-/// Incidence angles on the ground in section 6.3, degrees, and the tolerance of ours.
+/// Incidence angles on the ground in section 6.3, degrees.
 const INCIDENCES: [f64; 2] = [33.0, 78.0];
+/// Tolerance of our incidence angles, degrees.
 const INCIDENCE_ERROR: f64 = 5.0;
 /// The paper's standard deviation of N.
 const SIGMA: f64 = 0.01;
-/// Tolerance of a profile without noise, m: readings, positions and postures are read within 1 ms of each other, the first two
-/// in whole millimetres.
+/// Tolerance of a profile without noise, m. The program reads distance, position and posture within 1 ms of each other,
+/// and distance and position in whole millimetres.
 const EXACT: f64 = 0.01;
 
 /// Scene of the robot without an obstacle.
@@ -45,15 +47,15 @@ y_mm = 1500
 api = 7
 "#;
 
-/// Tolerance of the joint angles against the source of the gait, root mean square over the cycle, degrees.
+/// Tolerance of the joint angles: root mean square difference from the gait's source over the cycle, degrees.
 const GAIT_ERROR: f64 = 5.0;
 
-/// The walks of all sensors at all places, with and without noise.
+/// The walks for all sensors and mount points, with and without noise.
 pub struct Walks {
     /// The room and the robot.
     pub truth: Truth,
     walks: Vec<Walk>,
-    /// 4 m over an empty floor: two whole gait cycles.
+    /// Walk of 4 m over an empty floor: two whole gait cycles.
     pub free: Walk,
 }
 
@@ -74,10 +76,11 @@ impl Walks {
     /// Runs all walks.
     ///
     /// # Errors
-    /// A walk that does not run to its end.
+    /// If a walk does not run to its end.
     pub fn run(job: &Job) -> anyhow::Result<Self> {
         let truth = Truth::read()?;
-        // Short slots, since the trace has the true posture only at a slot's end; nothing else depends on them.
+        // Short slots, since the trace gives the true posture only at the end of a slot; nothing else depends on the
+        // slot length.
         let slot = Some(Time::from_millis(2));
         let mut runs = Vec::new();
         let mut cases = Vec::new();
@@ -110,14 +113,14 @@ impl Walks {
         Ok(Self { truth, walks, free })
     }
 
-    /// The walk with a sensor at a place, with or without noise.
+    /// The walk with this sensor, mount point and noise.
     pub fn of(&self, place: MountPoint, kind: Kind, noise: Noise) -> &Walk {
         &self.walks[(place as usize * Kind::ALL.len() + kind as usize) * Noise::ALL.len() + noise as usize]
     }
 }
 
 impl Walk {
-    /// Readings that gave a point of the profile and whose true hit is on `thing`.
+    /// Readings that gave a point of the profile and whose true hit point is on `thing`.
     pub fn points_on(&self, thing: Thing) -> impl Iterator<Item = &Sample> {
         self.samples.iter().filter(move |sample| sample.point.is_some() && sample.truth.thing == thing)
     }
@@ -127,8 +130,8 @@ impl Walk {
         self.points_on(Thing::Obstacle).next().map(|sample| sample.at)
     }
 
-    /// Stretches of readings that see the ground before the obstacle is detected, separated by readings that do not: begin and end of
-    /// each, s.
+    /// Periods of readings that see the ground before the obstacle is detected: begin and end of each, s. Readings that
+    /// do not see the ground separate them.
     pub fn ground_periods(&self) -> Vec<(f64, f64)> {
         let until = self.first_obstacle().unwrap_or(f64::INFINITY);
         let mut periods: Vec<(f64, f64)> = Vec::new();
@@ -152,8 +155,8 @@ impl Walk {
     }
 }
 
-/// Minimum and maximum incidence angle on the floor within a sensor's range while the robot moves, degrees, over all moments of the
-/// trace.
+/// Minimum and maximum incidence angle of the sensor's ray on the floor within the sensor's range, degrees, over all
+/// moments of the trace until the robot stops.
 pub fn incidences(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind) -> Option<(f64, f64)> {
     let on_floor = walk.moments.iter().filter(|moment| moment.at <= walk.stopped()).filter_map(|moment| {
         let hit = truth.met(&truth.ray(place, kind, moment));
@@ -168,7 +171,7 @@ pub fn incidences(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind) -> 
 /// Makes the page.
 ///
 /// # Errors
-/// A scene that does not run to its end, a chart that cannot be drawn.
+/// If a scene does not run to its end, or a chart cannot be drawn.
 pub fn run(job: &Job) -> anyhow::Result<Page> {
     let walks = Walks::run(job)?;
     let mut page = Page::new(
@@ -243,13 +246,13 @@ fn gait(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Joints of a leg that turn in the plane of the walk: name, index in the leg.
+/// Joints of a leg that turn in the plane of the walk: name, and index in the leg.
 const JOINTS: [(&str, usize); 3] = [("thigh, forward", 2), ("knee, bent", 3), ("ankle, toes up", 4)];
 /// Number of joints in a leg of the biped.
 const JOINTS_OF_LEG: usize = 5;
 
-/// Angles of the right leg's joints at each percent of the gait cycle, from one footfall to the next, degrees; the last whole cycle
-/// before the robot stops. `None` if there is none.
+/// Angles of the right leg's joints at each percent of the gait cycle, from one footfall to the next, degrees. The
+/// cycle is the last whole one before the robot stops; `None` if there is none.
 pub fn cycle_angles(walk: &Walk) -> Option<Vec<[f64; 3]>> {
     let stopped = walk.stopped();
     let pair = walk.footfalls.windows(2).rfind(|pair| pair[1] <= stopped)?;
@@ -258,7 +261,7 @@ pub fn cycle_angles(walk: &Walk) -> Option<Vec<[f64; 3]>> {
     Some((0..=100).map(angles).collect())
 }
 
-/// Root mean square difference between our angles and the source's over the cycle, degrees, joint by joint.
+/// Root mean square difference between our angles and those of the source over the cycle, for each joint, degrees.
 pub fn source_differences(angles: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|joint| {
         let difference = |(percent, ours): (usize, &[f64; 3])| ours[joint] - source(percent)[joint];
@@ -267,7 +270,7 @@ pub fn source_differences(angles: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
-/// The curves of the gait's source, degrees.
+/// Joint angles of the gait's source, degrees.
 fn source(percent: usize) -> [f64; 3] {
     natural_angles(percent as f64 / 100.0).map(|radians| radians * 180.0 / PI)
 }
@@ -361,7 +364,7 @@ fn curves(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Series of a profile's points, and of the true profile.
+/// Series of a profile's points and of the true profile.
 fn profile(walks: &Walks, kind: Kind) -> Vec<Series> {
     let points = |noise| {
         let samples = walks.of(MountPoint::Tibia, kind, noise).samples.iter();
@@ -443,7 +446,7 @@ pub fn claims(walks: &Walks) -> Vec<Claim> {
         basis: Basis::Found,
     };
     let told = |claim: Claim| Claim { weight: Weight::Told, ..claim };
-    // Our own gait, room or definition decides these.
+    // The result depends on our own gait, room or definition.
     let set = |claim: Claim| Claim { basis: Basis::Set, ..claim };
     vec![
         set(gait_of_a_child(&walks.free, &must)),
@@ -493,7 +496,7 @@ fn two_periods(ideal: &Walk, make: &Make<'_>) -> Claim {
 }
 
 fn fewer_points(ideal: &Walk, laser: &Walk, make: &Make<'_>) -> Claim {
-    // The walks are the same until one of them stops.
+    // Both walks are equal until one of them stops.
     let until = ideal.stopped().min(laser.stopped());
     let [of_ideal, of_laser] =
         [ideal, laser].map(|walk| walk.points_on(Thing::Floor).filter(|s| s.at <= until).count());

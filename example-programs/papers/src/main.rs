@@ -10,7 +10,7 @@ use papers::page::Page;
 use papers::run::Job;
 use papers::{alduro, eyesim, france, wu};
 
-/// The host's heap is not libc's, which a faulting robot program may leave locked or broken.
+/// The host does not use libc's heap: a crashed robot program may leave libc's heap locked or corrupt.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

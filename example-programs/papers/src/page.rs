@@ -1,6 +1,6 @@
-//! A page that compares a paper's claims with our results: text, figures, tables, and claims with a number each.
+//! A page that compares a paper's claims with our results: text, figures, tables and claims, each with a number.
 //!
-//! It is written as one self-contained HTML file, with its figures, tables and claims as files beside it.
+//! The page is one self-contained HTML file. Separate files beside it hold its figures, tables and claims.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -58,13 +58,13 @@ pub struct Figure {
 /// A picture's data.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Scalable Vector Graphics, without ids, since the pictures of a page share one document.
+    /// Scalable Vector Graphics without ids, since all pictures of a page are in one document.
     Svg(String),
-    /// Portable Network Graphics, shown `scale` times as large, with sharp pixels.
+    /// Portable Network Graphics, shown with sharp pixels, `scale` times as large.
     Png {
         /// The file.
         bytes: Vec<u8>,
-        /// Pixels of the screen for each pixel of the picture, along a side.
+        /// Screen pixels for each pixel of the picture, along a side.
         scale: u32,
     },
 }
@@ -85,17 +85,17 @@ pub struct Table {
 /// A claim of the paper and our result.
 #[derive(Clone, Debug)]
 pub struct Claim {
-    /// Section of the claim, such as `6.3`, or another source of it.
+    /// Section of the paper with the claim, such as `6.3`, or another source of the claim.
     pub section: String,
     /// The claim, in our words.
     pub paper: String,
     /// Our result.
     pub ours: String,
-    /// The number behind it, with its unit.
+    /// The number that supports the result, with its unit.
     pub number: String,
-    /// Our result agrees with the claim.
+    /// True if our result agrees with the claim.
     pub holds: bool,
-    /// Consequence if it does not agree.
+    /// Consequence if our result does not agree.
     pub weight: Weight,
     /// Origin of our result.
     pub basis: Basis,
@@ -104,9 +104,9 @@ pub struct Claim {
 /// Origin of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
-    /// It could have come out otherwise.
+    /// The result could have been different.
     Found,
-    /// It follows from what we have chosen or defined; the claim shows only that the scene is as intended.
+    /// The result follows from our own choices or definitions. The claim shows only that the scene is as intended.
     Set,
 }
 
@@ -115,7 +115,7 @@ pub enum Basis {
 pub enum Weight {
     /// The command fails.
     Must,
-    /// The page reports it: the paper's own claim may be wrong, or hold under other conditions.
+    /// The page reports it: the paper's claim may be wrong, or hold under other conditions.
     Told,
 }
 
@@ -188,10 +188,11 @@ impl Page {
         text
     }
 
-    /// Writes the page `index.html` into `folder`, with figures as SVG or PNG and tables as CSV beside it; returns its path.
+    /// Writes the page `index.html` into `folder`, with figures as SVG or PNG and tables as CSV beside it. Returns the
+    /// path of the page.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// If a file cannot be written.
     pub fn write(&self, folder: &Path) -> anyhow::Result<PathBuf> {
         let write = |name: String, bytes: &[u8]| {
             let path = folder.join(name);
@@ -239,7 +240,7 @@ impl Page {
 }
 
 impl Claim {
-    /// `found` or `set`.
+    /// The claim's basis as text: `found` or `set`.
     pub fn basis(&self) -> &'static str {
         match self.basis {
             Basis::Found => "found",
@@ -247,7 +248,7 @@ impl Claim {
         }
     }
 
-    /// `yes`, `no`, or `FAILS` for a claim that must hold and does not.
+    /// The claim's verdict: `yes`, `no`, or `FAILS` for a claim that must hold and does not.
     pub fn verdict(&self) -> &'static str {
         match (self.holds, self.weight) {
             (true, _) => "yes",
@@ -261,7 +262,7 @@ impl Picture {
     /// A chart of curves.
     ///
     /// # Errors
-    /// If the drawing library refuses it.
+    /// If the drawing library returns an error.
     pub fn chart(figure: &Chart) -> anyhow::Result<Self> {
         let svg = chart::to_svg(figure).with_context(|| format!("the chart `{}`", figure.name))?;
         Ok(Self::Svg(svg))
@@ -271,7 +272,7 @@ impl Picture {
 impl Figure {
     fn html(&self) -> String {
         let picture = match &self.picture {
-            // Without the XML declaration, which belongs to a separate file.
+            // The XML declaration belongs only into a separate file.
             Picture::Svg(svg) => svg.find("<svg").map_or(svg.as_str(), |start| &svg[start..]).to_owned(),
             Picture::Png { bytes, scale } => {
                 let zoom = format!("image-rendering:pixelated;zoom:{scale}");
@@ -298,7 +299,7 @@ impl Table {
     /// Adds a row.
     ///
     /// # Panics
-    /// If the number of cells is not that of the heads.
+    /// If the number of cells differs from the number of heads.
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl ToString>) {
         let cells: Vec<String> = cells.into_iter().map(|cell| cell.to_string()).collect();
         assert_eq!(cells.len(), self.head.len(), "cells and heads of the table `{}`", self.name);

@@ -16,30 +16,30 @@ use sim_host::record::Sink;
 
 use crate::trace::Trace;
 
-/// Number of simultaneous runs: the machine on which the pages are made has two processors.
+/// Number of simultaneous runs: the pages are made on a machine with two processors.
 const AT_ONCE: usize = 2;
 
 /// A scene to run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Name of its trace and, for a scene given as text, of the scene's file.
+    /// Name of the trace, and of the scene's file if the scene is given as text.
     pub name: String,
     /// The scene.
     pub scene: Scene,
-    /// Options beside the scene: the seed, the noise.
+    /// Options in addition to the scene: the seed, the noise.
     pub options: Options,
 }
 
 /// Source of a scene.
 #[derive(Clone, Debug)]
 pub enum Scene {
-    /// A file of the checkout, relative to it: `sims/walker.scene.toml`.
+    /// A file, relative to the checkout: `sims/walker.scene.toml`.
     File(PathBuf),
-    /// The text of a scene in TOML, kept in a file beside the trace; `%sim%` in it is the checkout.
+    /// The text of a scene in TOML. It is kept in a file beside the trace; `%sim%` in it stands for the checkout.
     Text(String),
 }
 
-/// The work on one paper: folder of its files, and seed of its scenes.
+/// The runs for one paper: the folder of their files, and the seed of their scenes.
 #[derive(Debug)]
 pub struct Job {
     paper: String,
@@ -48,10 +48,10 @@ pub struct Job {
 }
 
 impl Job {
-    /// A job whose files go to `folder`, which is made.
+    /// A job whose files go into `folder`; creates the folder.
     ///
     /// # Errors
-    /// A folder that cannot be made.
+    /// If the folder cannot be created.
     pub fn new(paper: &str, folder: &Path, seed: u64) -> anyhow::Result<Self> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
         Ok(Self { paper: paper.to_owned(), folder: folder.to_owned(), seed })
@@ -67,7 +67,7 @@ impl Job {
         self.seed
     }
 
-    /// Default options of its runs: the seed.
+    /// Default options of the job's runs, with its seed.
     pub fn options(&self) -> Options {
         Options { seed: Some(self.seed), ..Options::default() }
     }
@@ -77,11 +77,12 @@ impl Job {
         eprintln!("{}: {what}", self.paper);
     }
 
-    /// Runs `runs`, two at a time, and reads the trace of each with `read` as soon as it is complete; the results are in the order
-    /// of the runs. Scenes and traces stay in the paper's folder `runs`.
+    /// Runs `runs`, two at a time, and reads each trace with `read` as soon as it is complete. The results are in the
+    /// order of the runs. Scenes and traces stay in the folder `runs` of the paper's folder.
     ///
     /// # Errors
-    /// If a scene cannot be run, a program fails, a trace cannot be written, or `read` fails. No further run is started then.
+    /// If a scene cannot be run, a program fails, a trace cannot be written, or `read` fails. Then no further run is
+    /// started.
     pub fn run<T: Send>(
         &self,
         runs: &[Run],
@@ -120,7 +121,7 @@ impl Job {
         Ok(read)
     }
 
-    /// Runs one scene to its end; its trace is also kept as a file.
+    /// Runs one scene to its end and also writes its trace to a file.
     fn run_one(&self, run: &Run, folder: &Path) -> anyhow::Result<Trace> {
         let scene = match &run.scene {
             Scene::File(path) => root().join(path),

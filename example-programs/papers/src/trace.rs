@@ -1,4 +1,4 @@
-//! Typed events of a run, from which pages are made: a sink that keeps them.
+//! A sink that keeps the events of a run from which pages are made, as typed values.
 
 use sim_core::record::{self, Digest, Kind, KindSet, Record, WORLD};
 use sim_core::time::Time;
@@ -7,11 +7,11 @@ use sim_host::record::{RecordError, Sink};
 /// A finished run.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Its events in the order of the run, only the kinds that [`Event`] has.
+    /// The events in the order of the run; only the kinds that [`Event`] contains.
     pub entries: Vec<Entry>,
-    /// Simulated time at its end, s.
+    /// Virtual time of the end of the run, s.
     pub end: f64,
-    /// Its digest.
+    /// Digest of the run.
     pub digest: String,
 }
 
@@ -26,7 +26,7 @@ pub struct Entry {
     pub event: Event,
 }
 
-/// The events of which pages are made; fields and units as in `docs/trace.md`.
+/// The events from which pages are made; fields and units as in `docs/trace.md`.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "they are described in docs/trace.md")]
 pub enum Event {
@@ -61,7 +61,7 @@ pub enum Event {
     },
 }
 
-/// The kinds of the events that [`Event`] has.
+/// The kinds of events that [`Event`] contains.
 const KINDS: [Kind; 9] = [
     Kind::ProgramEnded,
     Kind::Pose,
@@ -125,7 +125,7 @@ impl Trace {
         self.entries.iter().filter(move |entry| entry.robot == robot)
     }
 
-    /// The lines that a robot's program has printed, with their times, s.
+    /// The lines that a robot's program has printed, with their times in s.
     pub fn printed(&self, robot: u32) -> impl Iterator<Item = (f64, &str)> {
         self.of_robot(robot).filter_map(|entry| match &entry.event {
             Event::Stdout { text } => Some((entry.at, text.as_str())),

@@ -1,7 +1,8 @@
 //! Wu et al. 2013: grid maps from seven ultrasonic sectors.
 //!
-//! The robot of `sims/sonar-map*.scene.toml` prints all its readings and its odometry. From the same readings this module builds every
-//! map again (that of the paper, a plain sonar grid, a grid of log-odds) and compares each with the walls of the scene.
+//! The robot of `sims/sonar-map*.scene.toml` prints all its readings and its odometry. From these readings this module
+//! builds each of the compared maps (the paper's map, a plain sonar grid, a grid of log-odds) and compares it with the
+//! walls of the scene.
 
 mod case;
 mod maps;
@@ -20,7 +21,7 @@ use crate::run::{Job, Run, Scene};
 use maps::{MapMethod, Mapped};
 use sim_host::launch::Options;
 
-/// The runs: a name, the scene's file, and its noise (a preset, or the noise of sonars alone).
+/// The runs: name, file of the scene, and noise (a preset, or the noise of sonars alone).
 const RUNS: [(&str, &str, &str); 7] = [
     ("room", "sims/sonar-map.scene.toml", "none"),
     ("room-sonar-noise", "sims/sonar-map.scene.toml", SONAR_NOISE),
@@ -37,7 +38,7 @@ const SONAR_NOISE: &str = "[sonar]\nsigma_mm = 5\nsigma_percent = 0.5\nstep_mm =
 /// Makes the page.
 ///
 /// # Errors
-/// A scene that does not run to its end, or whose robot prints no map.
+/// If a scene does not run to its end, or its robot prints no map.
 pub fn run(job: &Job) -> anyhow::Result<Page> {
     let source =
         "J. Wu, T. Qin, H. Si, J. Chen, K. Lin, C. Zhang: Environmental Modeling Based on Ultrasonic Ranging, 2013";
@@ -93,7 +94,8 @@ fn claim(section: &str, paper: &str, ours: &str, number: String, holds: bool, we
     Claim { section, paper, ours, number, holds, weight, basis: Basis::Found }
 }
 
-/// Least fraction of observed cells that are right, and least precision and recall of occupied cells, in the room without noise.
+/// Minimum fraction of right cells among the observed ones, and minimum precision and recall of occupied cells, in the
+/// room without noise.
 pub const MIN_SCORES: (f64, f64, f64) = (0.95, 0.8, 0.7);
 
 fn room_accuracy(room: &Mapped) -> Claim {
@@ -128,7 +130,7 @@ fn room_recall(room: &Mapped) -> Claim {
     claim("Summary", "the completeness of the map", ours, percent(recall), recall >= MIN_SCORES.2, Weight::Must)
 }
 
-/// Rooms of mirrors: name, scene, size in mm, and starts in mm, on multiples of a cell.
+/// A room with mirrors: name, scene, size in mm, and starts in mm at multiples of a cell.
 type Room = (&'static str, &'static str, [i64; 2], [[i64; 2]; 6]);
 const MIRRORS: [Room; 2] = [
     (
@@ -145,7 +147,7 @@ const MIRRORS: [Room; 2] = [
     ),
 ];
 
-/// Scenes of robots among mirrors, one for each start.
+/// Runs in rooms with mirrors, one for each start.
 fn among_mirrors(job: &Job) -> anyhow::Result<Vec<Run>> {
     let mut runs = Vec::new();
     for (name, file, [width, depth], starts) in MIRRORS {
@@ -162,7 +164,7 @@ fn among_mirrors(job: &Job) -> anyhow::Result<Vec<Run>> {
                     }
                     "x_mm" => format!("x_mm = {x}\n"),
                     "y_mm" => format!("y_mm = {y}\n"),
-                    // Walls without a surface of their own.
+                    // Walls without their own `surface`.
                     "{ from_mm" if !line.contains("surface") => {
                         line.replace(" },", ", surface = { specular = 1 } },\n")
                     }
@@ -176,13 +178,14 @@ fn among_mirrors(job: &Job) -> anyhow::Result<Vec<Run>> {
     Ok(runs)
 }
 
-/// Minimum and maximum share, in percent.
+/// Minimum and maximum of the fractions, in percent.
 fn range(fractions: impl Iterator<Item = f64>) -> String {
     let (low, high) = fractions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
     format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high)
 }
 
-/// The maps among mirrors against those of the plain grid, whether a missing echo is ignored or frees cells.
+/// Compares the paper's maps in rooms with mirrors with two plain grids: one ignores a missing echo, the other takes it
+/// as free cells.
 fn against_plain(mirrors: &[Mapped]) -> Claim {
     let more = |of: fn(&Score) -> f64| {
         let is_more = |run: &&Mapped| {
@@ -233,7 +236,7 @@ fn replayed(mapped: &[Mapped]) -> Claim {
     let cells: usize = mapped.iter().map(|run| run.truth.values().len()).sum();
     let ours = "the map built on the robot equals the map rebuilt from the readings that it printed";
     let number = format!("{different} of {cells} cells differ");
-    // Both are made by one library.
+    // The same library makes both maps.
     let replayed = claim("Global Model", "steps 2 to 4, on the robot", ours, number, different == 0, Weight::Must);
     Claim { basis: Basis::Set, ..replayed }
 }
@@ -264,7 +267,7 @@ fn printed_limit(room: &Mapped) -> Claim {
     let ours = "the limit must be d_A / cos a: d_A cos a is below d_A, so that as printed no pair is continuous";
     let number =
         format!("continuous, of {pairs} pairs with two echoes: {derived} with d_A / cos a, {printed} as printed");
-    // Arithmetic decides it, not the runs.
+    // The result follows from arithmetic, not from the runs.
     let limit = claim("Sensor Number", "continuous: d_A <= d_B <= d_A cos a", ours, number, printed > 0, Weight::Told);
     Claim { basis: Basis::Set, ..limit }
 }
@@ -321,7 +324,7 @@ fn told_noise(noisy: &Mapped) -> Claim {
 fn map_figure(run: &Mapped) -> anyhow::Result<Figure> {
     const PIXELS: u32 = 3;
     const GAP: u32 = 6;
-    let maps = [MapMethod::Wu, MapMethod::Plain, MapMethod::LogOdds].map(|kind| shown(run.said(kind), &run.truth));
+    let maps = [MapMethod::Wu, MapMethod::Plain, MapMethod::LogOdds].map(|kind| shown(run.cells(kind), &run.truth));
     let panels: Vec<_> = std::iter::once(truth_shown(run)).chain(maps).map(|map| map.picture(PIXELS, |c| *c)).collect();
     let (width, height) = panels[0].dimensions();
     let count = panels.len() as u32;
@@ -346,9 +349,9 @@ const WHITE: [u8; 3] = [255; 3];
 const BLACK: [u8; 3] = [0; 3];
 const GREY: [u8; 3] = [185; 3];
 
-/// The colours of a map.
-fn shown(said: &Grid<Occupancy>, truth: &Grid<Truth>) -> Grid<[u8; 3]> {
-    Grid::from_fn(*said.frame(), |cell| match (said[cell], truth[cell]) {
+/// Colours of a map's cells.
+fn shown(cells: &Grid<Occupancy>, truth: &Grid<Truth>) -> Grid<[u8; 3]> {
+    Grid::from_fn(*cells.frame(), |cell| match (cells[cell], truth[cell]) {
         (Occupancy::Free, Truth::Free) => WHITE,
         (Occupancy::Free, _) => [255, 150, 0],
         (Occupancy::Occupied, Truth::Free) => [225, 0, 0],
@@ -407,7 +410,7 @@ fn drives(mapped: &[Mapped]) -> Table {
     table
 }
 
-/// History of a free cell: once classified as occupied from near by, then classified as free from farther away, again and again.
+/// History of a free cell: first classified as occupied from nearby, then again and again as free from farther away.
 fn equation_4() -> anyhow::Result<Figure> {
     const WRONG: f64 = 0.98;
     const RIGHT: f64 = 0.06;
@@ -417,9 +420,9 @@ fn equation_4() -> anyhow::Result<Figure> {
     let mut by_equation_4 = UNKNOWN;
     let mut curves = [vec![(0.0, UNKNOWN)], vec![(0.0, UNKNOWN)]];
     for time in 1..=TIMES {
-        let said = if time == 1 { WRONG } else { RIGHT };
-        by_equation_4 = updated(by_equation_4, said);
-        by_log_odds.add(cell, log_odds(said));
+        let evidence = if time == 1 { WRONG } else { RIGHT };
+        by_equation_4 = updated(by_equation_4, evidence);
+        by_log_odds.add(cell, log_odds(evidence));
         curves[0].push((time as f64, by_equation_4));
         curves[1].push((time as f64, by_log_odds.probabilities()[cell]));
     }

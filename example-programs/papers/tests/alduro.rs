@@ -1,4 +1,4 @@
-//! Claims of Gois and Hiller on walks that must hold, on a few of the terrains of the page.
+//! Tests that the required claims of Gois and Hiller on walks hold, on a few of the page's terrains.
 
 use papers::alduro;
 use papers::page::Weight;

@@ -1,4 +1,4 @@
-//! Statements of Koestler and Bräunl on the simulator hold.
+//! Tests that the statements of Koestler and Bräunl on the simulator hold.
 
 use papers::eyesim;
 use papers::page::Weight;

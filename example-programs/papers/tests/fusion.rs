@@ -1,4 +1,4 @@
-//! A row of the published comparison of maps, computed again.
+//! Tests that a row of the published comparison of maps can be recomputed.
 
 use std::path::Path;
 

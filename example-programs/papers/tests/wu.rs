@@ -1,4 +1,4 @@
-//! Claims of Wu et al. on maps that must hold, on the scenes that come with the simulator.
+//! Tests that the required claims of Wu et al. on maps hold, on the scenes that come with the simulator.
 
 use papers::page::Weight;
 use papers::run::Job;
@@ -10,14 +10,14 @@ fn maps_are_as_right_as_they_must_be() {
     let job = Job::new("wu", folder.path(), 1).expect("a job");
     let page = wu::run(&job).expect("all runs");
     let must: Vec<_> = page.claims.iter().filter(|claim| claim.weight == Weight::Must).collect();
-    // Cells right, precision and recall in the room; the robot's own map.
+    // Right cells, precision and recall in the room, and the robot's own map.
     assert_eq!(must.len(), 4);
     for claim in must {
         assert!(claim.holds, "{}: {}", claim.ours, claim.number);
     }
 }
 
-/// The published rows of the first start in each room follow from the published settings.
+/// The published rows of the first start in each room can be recomputed from the published settings.
 #[test]
 fn corrected_poses_are_those_of_the_page() {
     let page = papers::run::root().join("docs/papers.md");

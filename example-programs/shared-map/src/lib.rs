@@ -1,8 +1,9 @@
 //! Three robots map a maze of three lanes together, over a radio that loses and garbles messages.
 //!
-//! Each robot drives along the lane of its number, counted from the lowest, and senses the walls at both sides of every cell. It sends
-//! its findings to every other robot until they are acknowledged (stop-and-wait). A garbled message is recognised by its checksum and
-//! counts as lost. In the end all robots have the same map, which the window shows as it grows.
+//! Each robot drives along the lane of its number, counted from the lowest, and senses the walls at both sides of every
+//! cell. It sends its findings to every other robot until that robot acknowledges them (stop-and-wait). A checksum
+//! detects garbled messages, which count as lost. In the end all robots have the same map. The window shows the map as
+//! it grows.
 
 mod link;
 
@@ -17,7 +18,8 @@ robios_api::program!(main);
 const LANES: u8 = 3;
 const COLUMNS: u8 = 8;
 const CELL: Length = Length::millimetres(360.0);
-/// Threshold for a wall at the side, from a sensor at the robot's side, 80 mm off its centre; a robot in the next lane is farther.
+/// Threshold for a wall at the side, for a sensor 80 mm off the robot's centre; a robot in the next lane is farther
+/// away.
 const NEAR: Length = Length::millimetres(140.0);
 
 /// Known walls, lane by lane.
@@ -59,8 +61,8 @@ fn main(robot: &Robot) -> Result {
     Ok(())
 }
 
-/// Shows the map in the window, in the frame of odometry, whose origin is the middle of the first cell of the robot's own lane. Each cell
-/// of the maze is a square of smaller ones, of which the outer ones at its sides show the walls.
+/// Shows the map in the window, in the frame of odometry, whose origin is the middle of the first cell of the robot's
+/// own lane. Each cell of the maze is a square of smaller cells. The outer ones at its sides show the walls.
 fn show(robot: &Robot, own_lane: u8, map: &Map) -> Result {
     const SQUARE: usize = 9;
     let row = |row: usize| {
@@ -81,7 +83,7 @@ fn shade(cell: Option<Walls>, is_right: bool, is_left: bool) -> u8 {
     }
 }
 
-/// A lane as text: `=` walls at both sides, `'` at the left, `.` at the right, `-` none.
+/// A lane as text: `=` for walls at both sides, `'` at the left, `.` at the right, `-` for none.
 fn shown(cells: &[Option<Walls>]) -> String {
     let mark = |cell: &Option<Walls>| match cell {
         Some(Walls { left: true, right: true }) => '=',

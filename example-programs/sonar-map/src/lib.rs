@@ -1,14 +1,15 @@
 //! Maps a room with seven ultrasonic sensors, by lines between neighbouring readings (Wu et al. 2013).
 //!
-//! At each stop the robot observes its surroundings; if it finds a fault, it turns by half a sector and observes again. It turns around,
-//! does the same behind, and adds all readings to its map. Then it drives to the nearest place from which unknown cells can be seen.
-//! It ends when there is none.
+//! At each stop the robot observes its surroundings. If it finds a fault, it turns by half a sector and observes again.
+//! Then it turns around, does the same behind, and adds all readings to its map. It then drives to the nearest place
+//! from which it can see unknown cells, and ends when there is none.
 //!
 //! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is that of the start:
 //! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
-//! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first: `#` occupied,
-//! `.` free, `?` unknown. The display shows the map, the window also its probabilities and the path to the next stop.
+//! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first:
+//! `#` occupied, `.` free, `?` unknown. The display shows the map; the window also shows its probabilities and the path
+//! to the next stop.
 
 mod plan;
 
@@ -42,9 +43,9 @@ const AHEAD: usize = 3;
 const TWO_CYCLES: Duration = Duration::from_millis(120);
 /// Angle by which the robot turns to observe a fault again: half a sector.
 const AGAIN: f64 = 0.5 * FAN.sector;
-/// Distance ahead below which the robot stops on its way.
+/// Distance ahead below which the robot stops while it drives.
 const NEAR: Length = Length::metres(0.06);
-/// Distance by which the robot then backs off.
+/// Distance by which the robot backs off after such a stop.
 const BACK: Length = Length::metres(0.08);
 const SPEED: Speed = Speed::metres_per_second(0.3);
 const TURN: TurnRate = TurnRate::radians_per_second(1.5);
@@ -92,7 +93,7 @@ struct Mapper<'r> {
     drive: Drive,
     sonars: [Psd; 7],
     map: SectorMap,
-    /// Positions at which an obstacle that the map does not know has stopped the robot.
+    /// Positions at which an obstacle stopped the robot that is not on the map.
     bumps: Vec<Point>,
 }
 
@@ -136,7 +137,7 @@ impl Mapper<'_> {
         self.drive.turn(Angle::radians(angle), TURN)?.wait()
     }
 
-    /// Drives from point to point; stops and backs off at an obstacle that the map does not know.
+    /// Drives from point to point; stops and backs off at an obstacle that is not on the map.
     fn follow(&mut self, path: &[Point]) -> Result {
         for point in path {
             let pose = self.pose();
@@ -177,7 +178,7 @@ impl Mapper<'_> {
         }
     }
 
-    /// Shows the map in the window; the prior of a cell, one half, as unknown.
+    /// Shows the map in the window; a probability of one half, the prior, is unknown.
     fn show_layer(&self) -> Result {
         let probabilities = self.map.probabilities();
         let frame = probabilities.frame();

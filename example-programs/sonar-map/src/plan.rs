@@ -10,18 +10,19 @@ use mapping::score::{OCCUPIED, Occupancy};
 /// Clearance of the robot's middle from the middle of occupied cells, m: the radius of 0.12, half of a cell's diagonal, and the error of
 /// odometry.
 const CLEARANCE: f64 = 0.21;
-/// Clearance of the robot's middle from unobserved cells, m: its body and a little more. Cells of silent sectors need no clearance,
-/// though the robot does not enter them: else it could not move at all among mirrors.
+/// Clearance of the robot's middle from unobserved cells, m: its body and a little more. The robot does not enter cells
+/// of silent sectors, but they need no clearance; otherwise it could not move at all among mirrors.
 const UNHEARD_CLEARANCE: f64 = 0.15;
-/// Least probability of an unobserved cell; that of a silent sector is a little less.
+/// Minimum probability of an unobserved cell; a cell of a silent sector has a slightly lower one.
 const UNHEARD: f64 = 0.49;
 /// Maximum distance of a frontier that counts as visible from a place, m.
 const SIGHT: f64 = 0.7;
-/// Number of frontier cells that make a place worth visiting.
+/// Minimum number of frontier cells that makes a place worth visiting.
 const WORTH: usize = 4;
-/// Least distance between places of observation, m.
+/// Minimum distance between places of observation, m.
 const APART: f64 = 0.5;
-/// Difference from 0.5 from which on a probability is sure: that of a reading of 1.4 m in 4 m (Wu et al. 2013, Eq. 2).
+/// Minimum difference from 0.5 of a sure probability: that of a reading of 1.4 m with a range of 4 m (Wu et al. 2013,
+/// Eq. 2).
 const SURE: f64 = 0.38;
 
 /// Free space and frontiers of a map, for planning.
@@ -32,7 +33,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Finds room and frontiers on a map of probabilities, given the places of unexpected obstacles.
+    /// Finds free space and frontiers on a map of probabilities, given the places of unexpected obstacles.
     pub fn new(map: &Grid<f64>, bumps: &[Point]) -> Self {
         let frame = *map.frame();
         let said = map.map(|probability| Occupancy::of(*probability));
@@ -49,8 +50,8 @@ impl Plan {
         Self { frame, room, frontier }
     }
 
-    /// Path to the nearest reachable place that is not near a place where the robot has `been`, and that is near a frontier: free cells
-    /// beside cells that are unknown or not surely occupied. `None` if there is none.
+    /// Path to the nearest reachable place near a frontier that is not near a place where the robot has `been`.
+    /// Frontiers are free cells beside cells that are unknown or not surely occupied. `None` if there is no such place.
     pub fn next(&self, from: Point, been: &[Point]) -> Option<Vec<Point>> {
         let start = self.frame.cell_at(from)?;
         let is_new = |point: Point| been.iter().all(|old| (point - old).norm() >= APART);
@@ -62,7 +63,7 @@ impl Plan {
         Some(self.corners(&path))
     }
 
-    /// Cost factor of a cell: 1 if the robot has room there, else `None`.
+    /// Cost factor of a cell: 1 if the robot has enough clearance there, else `None`.
     fn factor(&self, cell: Cell) -> Option<f64> {
         self.room[cell].then_some(1.0)
     }

@@ -7,10 +7,11 @@ robios_api::program!(main);
 
 /// The sonar's number in the robot's companion.
 const SONAR: PsdAt = PsdAt::Other(5);
-/// Servo positions between two directions, and the number of directions to either side.
+/// Number of servo positions between two directions.
 const STEP: i32 = 14;
+/// Number of directions to either side.
 const TO_EITHER_SIDE: i32 = 9;
-/// Degrees for each servo position: 90 for 127 positions.
+/// Degrees per servo position: 90 degrees are 127 positions.
 const DEGREES: f64 = 90.0 / 127.0;
 /// Two sensor cycles of 60 ms: the first may have begun before the servo turned, the second has not.
 const TWO_CYCLES: Duration = Duration::from_millis(120);

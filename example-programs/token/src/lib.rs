@@ -1,7 +1,8 @@
 //! A token goes round a ring of robots over a radio that loses messages: stop-and-wait.
 //!
-//! The holder sends the token to the next robot until that robot acknowledges it. A token carries the number of its hop, by which
-//! duplicates are recognised. Arguments: number of robots, number of rounds. `token-c` is the same program in C and interoperates.
+//! The holder sends the token to the next robot until that robot acknowledges it. A token carries the number of its
+//! hop, so receivers recognise duplicates. Arguments: number of robots, number of rounds. `token-c` is the same program
+//! in C and interoperates.
 
 use std::error::Error;
 
@@ -12,7 +13,7 @@ robios_api::program!(main);
 
 /// Time without an answer after which a token is sent again.
 const TIMEOUT: Duration = Duration::from_millis(60);
-/// Time for which a robot still answers at the end, since an acknowledgement may have been lost.
+/// Time without a message for which a robot still answers at the end, since an acknowledgement may have been lost.
 const LINGER: Duration = Duration::from_secs(3);
 
 /// Message of the protocol, with the number of the hop.
@@ -76,7 +77,7 @@ impl Station {
     fn handle(&mut self, message: &[u8]) -> Result<Option<u32>> {
         match Packet::from_bytes(message) {
             Some(Packet::Token(hop)) => {
-                // Also for a duplicate, whose acknowledgement was lost.
+                // A duplicate is acknowledged too, since the first acknowledgement was lost.
                 self.radio.send(self.previous, &Packet::Ack(hop).to_bytes())?;
                 self.last_received = self.last_received.max(hop);
                 Ok(None)

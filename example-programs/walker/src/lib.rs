@@ -1,12 +1,13 @@
 //! Walks on two legs, computes the profile of the ground from one range sensor, and stops before an obstacle.
 //!
-//! `walker PLACE SENSOR SPEED`: the sensor sits on the `tibia`, the `thigh` or the `body` and is `ideal`, a `laser`, an
-//! `ultrasonic` or a `reflectance` sensor; the speed is in mm/s. Every 25 ms the program reads the sensor and adds the hit point to the
-//! profile, computed from odometry, the height of the body, the pose of the leg's link (from the joints) and the sensor's place on
-//! the link. A reading of the sensor's maximum distance adds nothing.
+//! Arguments: `walker PLACE SENSOR SPEED`. PLACE is the sensor's link, `tibia`, `thigh` or `body`. SENSOR is its type,
+//! `ideal`, `laser`, `ultrasonic` or `reflectance`. SPEED is in mm/s. Every 25 ms the program reads the sensor and adds
+//! the hit point to the profile. It computes the point from odometry, the height of the body, the pose of the leg's
+//! link (from the joints) and the sensor's pose on the link. A reading of the sensor's maximum distance adds no point.
 //!
-//! It prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for a distance without a point; x counts from
-//! the start, z from the floor. The window shows the profile as a line. Source: France et al. 1999, section 6.2.
+//! The program prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for the coordinates if there
+//! is no point. x counts from the start, z from the floor. The window shows the profile as a line. Source: France et
+//! al. 1999, section 6.2.
 
 use robios_api::robios7::prelude::*;
 use robios_api::{LayerFrame, Leg, LegLink, Legs, LinkPose};
@@ -19,20 +20,20 @@ const PERIOD: Duration = Duration::from_millis(25);
 const OBSTACLE: Length = Length::millimetres(60.0);
 /// Distance of the body's centre from an obstacle at which the robot stops: a step, a foot, and a margin.
 const STOP: Length = Length::millimetres(650.0);
-/// Maximum walking distance, whatever the sensor sees.
+/// Maximum walking distance, even if the sensor detects nothing.
 const WAY: Length = Length::metres(4.0);
 /// Number of readings without progress after which the robot counts as stuck.
 const STUCK: u32 = 40;
-/// Number of points of the profile after which the window shows it again.
+/// Number of new profile points after which the window shows the profile again.
 const SHOWN: usize = 5;
 /// The leg that bears the sensors.
 const LEG: Leg = Leg(2);
 
-/// A range sensor, as the companion of the robot describes it.
+/// A range sensor, with the values of the robot's companion file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sensor {
     at: PsdAt,
-    /// Reading without a hit.
+    /// Reading if nothing is hit.
     max: Length,
     mount: Mount,
 }
@@ -51,7 +52,7 @@ struct Mount {
 }
 
 impl Sensor {
-    /// The sensor that the arguments name.
+    /// The sensor with the place and type that the arguments name.
     fn of_words(place: &str, kind: &str) -> Option<Self> {
         let mount = |link, x, z, pitch| Mount {
             link,
@@ -98,7 +99,7 @@ impl Bearer {
         Self { x: (self.x + other.x) * 0.5, z: (self.z + other.z) * 0.5, pitch: (self.pitch + other.pitch) * 0.5 }
     }
 
-    /// Hit point of the sensor's ray at a distance: ahead of the start, and above the floor.
+    /// Hit point of the sensor's ray at a distance: x ahead of the start, z above the floor.
     fn met(&self, mount: &Mount, distance: Length) -> (Length, Length) {
         let (sin, cos) = (self.pitch.sin(), self.pitch.cos());
         let ray = self.pitch + mount.pitch;
@@ -129,7 +130,8 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let mut stuck = 0;
     while x < nearest - STOP && stuck < STUCK {
         ticker.wait();
-        // Calls cost virtual time. Values read before and after the distance, in mirrored order, average to the time of the reading.
+        // Calls cost virtual time. Values are read before and after the distance, in mirrored order, so their mean is
+        // valid at the time of the reading.
         let last_x = x;
         let (before_x, before_height) = (robot.drive().position().x, legs.height()?);
         let before = Bearer::of(before_x, before_height, &link(&legs, &sensor.mount)?);
@@ -164,7 +166,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     } else {
         writeln!(robot.console(), "no obstacle within {x:.2}");
     }
-    // Wait until both feet stand.
+    // Wait until both feet are on the ground.
     robot.sleep(2.seconds());
     Ok(())
 }
@@ -199,7 +201,7 @@ mod tests {
     fn a_point_is_where_the_ray_ends() {
         let mount = Mount { link: None, x: 100.millimetres(), z: 50.millimetres(), pitch: -90.degrees() };
         let bearer = Bearer { x: 1.metres(), z: 0.5.metres(), pitch: 90.degrees() };
-        // The sensor sits above and behind, and looks ahead.
+        // The sensor sits above and behind the link's origin, and looks ahead.
         let (x, z) = bearer.met(&mount, 2.metres());
         assert!((x - 2.95.metres()).abs() < 1e-9.metres() && (z - 0.6.metres()).abs() < 1e-9.metres(), "{x} {z}");
         let other = Bearer { x: 2.metres(), z: 0.7.metres(), pitch: 100.degrees() };

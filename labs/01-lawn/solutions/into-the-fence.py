@@ -5,7 +5,7 @@ from eye import *
 
 EDGE = 300   # distance of the outermost lanes from the fence, mm
 LANE = 200   # distance between lanes: less than the mower's 250 mm, so that lanes overlap
-PIECES = 3   # of a lane
+PIECES = 3   # number of parts of a lane
 SPEED = 300  # mm/s
 
 
@@ -23,6 +23,6 @@ VWSetPosition(x, y, phi)
 drive_to(EDGE, EDGE)
 start, end = 80, 2920
 for y in range(EDGE, 2000 - EDGE + 1, LANE):
-    for piece in range(PIECES + 1):  # piece 0 leads from lane to lane
+    for piece in range(PIECES + 1):  # part 0 leads from lane to lane
         drive_to(start + (end - start) * piece / PIECES, y)
     start, end = end, start

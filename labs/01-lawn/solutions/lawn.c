@@ -1,10 +1,10 @@
-/* Mows the lawn in lanes from side to side. Each lane is driven in pieces: before each piece odometry gives the end of the previous one. */
+/* Mows the lawn in lanes from side to side. Each lane is driven in parts. Before each part, odometry gives the end of the previous one. */
 #include <math.h>
 #include "eyebot.h"
 
 #define EDGE 300  /* distance of the outermost lanes from the fence, mm */
 #define LANE 200  /* distance between lanes: less than the mower's 250 mm, so that lanes overlap */
-#define PIECES 2  /* of a lane */
+#define PIECES 2  /* number of parts of a lane */
 #define SPEED 300 /* mm/s */
 
 /* Turns to a point of the lawn and drives there. */
@@ -28,7 +28,7 @@ int main(void)
   for (y = EDGE; y <= 2000 - EDGE; y += LANE) {
     double from = is_left ? EDGE : 3000 - EDGE, to = 3000 - from;
     int piece;
-    for (piece = 0; piece <= PIECES; piece++) /* piece 0 leads from lane to lane */
+    for (piece = 0; piece <= PIECES; piece++) /* part 0 leads from lane to lane */
       drive_to(from + (to - from) * piece / PIECES, y);
     is_left = !is_left;
   }

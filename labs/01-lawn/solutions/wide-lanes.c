@@ -1,10 +1,10 @@
-/* A mistake: the lanes are farther apart than the mower is wide, and strips of grass remain. */
+/* A mistake: the distance between lanes is larger than the mower's width, so strips of grass remain. */
 #include <math.h>
 #include "eyebot.h"
 
 #define EDGE 300  /* distance of the outermost lanes from the fence, mm */
 #define LANE 350  /* distance between lanes */
-#define PIECES 2  /* of a lane */
+#define PIECES 2  /* number of parts of a lane */
 #define SPEED 300 /* mm/s */
 
 /* Turns to a point of the lawn and drives there. */
@@ -28,7 +28,7 @@ int main(void)
   for (y = EDGE; y <= 2000 - EDGE; y += LANE) {
     double from = is_left ? EDGE : 3000 - EDGE, to = 3000 - from;
     int piece;
-    for (piece = 0; piece <= PIECES; piece++) /* piece 0 leads from lane to lane */
+    for (piece = 0; piece <= PIECES; piece++) /* part 0 leads from lane to lane */
       drive_to(from + (to - from) * piece / PIECES, y);
     is_left = !is_left;
   }

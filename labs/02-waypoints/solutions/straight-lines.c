@@ -1,4 +1,4 @@
-/* A mistake: the waypoints are joined by straight lines, with a turn on the spot at each. */
+/* A mistake: the robot drives straight lines between the waypoints and turns on the spot at each. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"

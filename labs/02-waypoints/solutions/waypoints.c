@@ -1,12 +1,12 @@
-/* Drives along a spline through waypoints: an arc leads to the point of the spline that lies a little ahead (pure pursuit). Arguments: the
- * waypoints, X Y each, in mm. */
+/* Drives along a spline through waypoints: the robot drives arcs to the point of the spline at the look-ahead distance (pure pursuit).
+ * Arguments: the waypoints, X Y each, in mm. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
 #define MAX_POINTS  20   /* waypoints */
-#define PARTS 50   /* points of the spline from one waypoint to the next */
-#define AHEAD 100  /* distance of the point that is aimed at, mm */
+#define PARTS 50   /* number of points of the spline between two waypoints */
+#define AHEAD 100  /* look-ahead distance, mm */
 #define SPEED 200  /* mm/s */
 
 typedef struct { double x, y; } Point;
@@ -14,7 +14,7 @@ typedef struct { double x, y; } Point;
 /* A coordinate of the spline of Catmull and Rom between a and b, at t from 0 to 1. */
 static double spline(double before, double a, double b, double behind, double t)
 {
-  double t2 = t * t, t3 = t2 * t, from = (b - before) / 2, to = (behind - a) / 2; /* directions in a and b */
+  double t2 = t * t, t3 = t2 * t, from = (b - before) / 2, to = (behind - a) / 2; /* tangents at a and b */
   return (2 * t3 - 3 * t2 + 1) * a + (t3 - 2 * t2 + t) * from + (-2 * t3 + 3 * t2) * b + (t3 - t2) * to;
 }
 

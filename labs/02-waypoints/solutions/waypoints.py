@@ -1,13 +1,13 @@
-"""Drives along a spline through waypoints: an arc leads to the point of the spline that lies a little ahead (pure pursuit). Arguments: the
-waypoints, X Y each, in mm.
+"""Drives along a spline through waypoints: the robot drives arcs to the point of the spline at the look-ahead distance (pure pursuit).
+Arguments: the waypoints, X Y each, in mm.
 """
 import sys
 from math import atan2, degrees, dist, pi, radians, remainder, sin
 
 from eye import *
 
-PARTS = 50   # points of the spline from one waypoint to the next
-AHEAD = 100  # distance of the point that is aimed at, mm
+PARTS = 50   # number of points of the spline between two waypoints
+AHEAD = 100  # look-ahead distance, mm
 SPEED = 200  # mm/s
 
 
@@ -32,7 +32,7 @@ while True:
     to_end, distance = dist(line[-1], (x, y)), dist(line[target], (x, y))
     angle = remainder(atan2(line[target][1] - y, line[target][0] - x) - radians(phi), 2 * pi)
     if target + 1 == len(line) and (to_end < 10 or abs(angle) > pi / 2):
-        break  # there, or past it
+        break  # at the last waypoint or past it
     if abs(angle) > pi / 6:  # at the start the spline may lead elsewhere
         VWTurn(round(degrees(angle)), 90)
         VWWait()

@@ -1,13 +1,13 @@
-/* DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free way towards the goal brings
- * the robot nearer to it than it has ever been. Arguments: the goal, X Y in mm. */
+/* DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free path towards the goal brings
+ * the robot nearer to the goal than ever before. Arguments: the goal, X Y in mm. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
 #define POINTS     360
-#define NEAR       260 /* an obstacle ahead at which it begins to follow, mm */
-#define KEEP       220 /* distance kept from the boundary, mm */
-#define STEP       100 /* gain of distance to the goal for which it leaves, mm */
+#define NEAR       260 /* distance of an obstacle ahead at which the robot starts to follow, mm */
+#define KEEP       220 /* distance that the robot keeps from the boundary, mm */
+#define STEP       100 /* reduction of the distance to the goal at which the robot leaves the boundary, mm */
 #define HALF_WIDTH 120 /* half of the width that the robot needs, mm */
 #define SPEED      200 /* mm/s */
 
@@ -19,7 +19,7 @@ static int distance_at(int direction)
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
 }
 
-/* How far the robot can drive in a direction, mm. */
+/* Distance that the robot can drive in a direction, mm. */
 static int free_distance(int direction)
 {
   int at, room = 9999;

@@ -1,14 +1,14 @@
-"""DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free way towards the goal brings
-the robot nearer to it than it has ever been. Arguments: the goal, X Y in mm.
+"""DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free path towards the goal brings
+the robot nearer to the goal than ever before. Arguments: the goal, X Y in mm.
 """
 import sys
 from math import atan2, cos, degrees, hypot, inf, radians, remainder, sin
 
 from eye import *
 
-NEAR = 260        # an obstacle ahead at which it begins to follow, mm
-KEEP = 220        # distance kept from the boundary, mm
-STEP = 100        # gain of distance to the goal for which it leaves, mm
+NEAR = 260        # distance of an obstacle ahead at which the robot starts to follow its boundary, mm
+KEEP = 220        # distance that the robot keeps from the boundary, mm
+STEP = 100        # reduction of the distance to the goal at which the robot leaves the boundary, mm
 HALF_WIDTH = 120  # half of the width that the robot needs, mm
 SPEED = 200       # mm/s
 BEAM = [(at, cos(radians(at)), abs(sin(radians(at)))) for at in range(-85, 86)]
@@ -20,7 +20,7 @@ def distance_at(direction):
 
 
 def free_way(direction):
-    """How far the robot can drive in a direction, mm."""
+    """Distance that the robot can drive in a direction, mm."""
     way = 9999
     for at, along, across in BEAM:
         distance = distance_at(direction + at)

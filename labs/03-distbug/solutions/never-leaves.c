@@ -1,11 +1,11 @@
-/* A mistake: the robot never leaves a boundary, and goes round the first obstacle for ever. */
+/* A mistake: the robot never leaves a boundary, and goes around the first obstacle forever. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
 
 #define POINTS     360
-#define NEAR       260 /* an obstacle ahead at which it begins to follow, mm */
-#define KEEP       220 /* distance kept from the boundary, mm */
+#define NEAR       260 /* distance of an obstacle ahead at which the robot starts to follow, mm */
+#define KEEP       220 /* distance that the robot keeps from the boundary, mm */
 #define HALF_WIDTH 120 /* half of the width that the robot needs, mm */
 #define SPEED      200 /* mm/s */
 
@@ -17,7 +17,7 @@ static int distance_at(int direction)
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
 }
 
-/* How far the robot can drive in a direction, mm. */
+/* Distance that the robot can drive in a direction, mm. */
 static int free_distance(int direction)
 {
   int at, room = 9999;

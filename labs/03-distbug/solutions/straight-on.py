@@ -1,4 +1,4 @@
-"""A mistake: the robot does not look where it drives."""
+"""A mistake: the robot drives without reading its sensors."""
 import sys
 from math import atan2, degrees, hypot, remainder
 

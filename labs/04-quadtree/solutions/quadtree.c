@@ -1,4 +1,4 @@
-/* Plans with a quadtree: splits the floor into free squares, finds the shortest way from square to square with A*, and drives along their
+/* Plans with a quadtree: splits the floor into free squares, finds the shortest path from square to square with A*, and drives along their
  * centres. Arguments: the goal, then the pillars, X Y each, in mm. */
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@
 #define SIDE  16   /* cells in a row */
 #define CELL  250  /* mm */
 #define MAX_SQUARES  (SIDE * SIDE)
-#define PIECE 500  /* longest drive without a look at odometry, mm */
+#define PIECE 500  /* maximum drive between two readings of odometry, mm */
 
 typedef struct { int row, column, size; } Square; /* in cells */
 typedef struct { double x, y; } Point;            /* mm */
@@ -17,7 +17,7 @@ static char occupied[SIDE][SIDE]; /* [row][column], row 0 at y = 0 */
 static Square squares[MAX_SQUARES];
 static int square_count;
 
-/* Keeps a square that is free, drops one that is occupied, and splits one that is both. */
+/* Keeps a square that is free, drops one that is occupied, and splits one that is partly occupied. */
 static void split(int row, int column, int size)
 {
   int i, j, half = size / 2, count = 0;
@@ -69,7 +69,7 @@ static int square_at(Point p)
   return -1;
 }
 
-/* A*: finds the squares from `start` to `goal`, both included. Returns their number, 0 if there is no way. */
+/* A*: finds the squares from `start` to `goal`, both included. Returns their number, 0 if there is no path. */
 static int find_route(int start, int goal, int route[MAX_SQUARES])
 {
   static double cost[MAX_SQUARES];
@@ -103,7 +103,7 @@ static int find_route(int start, int goal, int route[MAX_SQUARES])
   return count;
 }
 
-/* Drives to a point in pieces: before each, odometry gives the end of the previous one. */
+/* Drives to a point in parts. Before each part, odometry gives the end of the previous one. */
 static void drive_to(Point to)
 {
   for (;;) {

@@ -1,4 +1,4 @@
-"""Plans with a quadtree: splits the floor into free squares, finds the shortest way from square to square with A*, and drives along their
+"""Plans with a quadtree: splits the floor into free squares, finds the shortest path from square to square with A*, and drives along their
 centres. Arguments: the goal, then the pillars, X Y each, in mm.
 """
 import heapq
@@ -9,11 +9,11 @@ from eye import *
 
 SIDE = 16    # cells in a row
 CELL = 250   # mm
-PIECE = 500  # longest drive without a look at odometry, mm
+PIECE = 500  # maximum drive between two readings of odometry, mm
 
 
 def split(row, column, size):
-    """The free squares of a square: itself if it is free, none if it is occupied, those of its quarters if it is both."""
+    """The free squares of a square: the square itself if it is free, none if it is occupied, otherwise those of its quarters."""
     cells = {(i, j) for i in range(row, row + size) for j in range(column, column + size)}
     if not cells & occupied:
         return [(row, column, size)]
@@ -37,7 +37,7 @@ def distance(a, b):
 def are_neighbours(a, b):
     """True if two squares share a part of a side."""
     (row, column, size), (other_row, other_column, other_size) = a, b
-    rows = min(row + size, other_row + other_size) - max(row, other_row)  # in common
+    rows = min(row + size, other_row + other_size) - max(row, other_row)  # length that the sides share
     columns = min(column + size, other_column + other_size) - max(column, other_column)
     return (rows > 0 and columns == 0) or (rows == 0 and columns > 0)
 
@@ -66,7 +66,7 @@ def find_way(start, goal):
 
 
 def drive_to(to_x, to_y):
-    """Drives to a point in pieces: before each, odometry gives the end of the previous one."""
+    """Drives to a point in parts. Before each part, odometry gives the end of the previous one."""
     while True:
         x, y, phi = VWGetPosition()
         way = round(hypot(to_x - x, to_y - y))

@@ -15,7 +15,7 @@ def neighbours(cell):
 
 
 def burn(occupied):
-    """The number of each cell: 1 is occupied, and so is all beyond the floor."""
+    """The number of each cell: 1 means occupied, and so does every cell beyond the floor."""
     number = {cell: 1 for cell in occupied}
     value = 2
     while len(number) < len(CELLS):

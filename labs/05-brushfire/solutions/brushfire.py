@@ -1,5 +1,5 @@
-"""Brushfire: a fire starts at all obstacles at once and burns from cell to cell; the number of a cell is its distance from them. The robot
-drives along the cells with the greatest numbers. Arguments: the goal, then the pillars, X Y each, in mm.
+"""Brushfire: a fire starts at all obstacles at once and burns from cell to cell; the number of a cell is its distance from the obstacles.
+The robot drives along the cells with the greatest numbers. Arguments: the goal, then the pillars, X Y each, in mm.
 """
 import sys
 from math import atan2, degrees, hypot, remainder
@@ -17,7 +17,7 @@ def neighbours(cell):
 
 
 def burn(occupied):
-    """The number of each cell: 1 is occupied, and so is all beyond the floor."""
+    """The number of each cell: 1 means occupied, and so does every cell beyond the floor."""
     number = {cell: 1 for cell in occupied}
     value = 2
     while len(number) < len(CELLS):
@@ -29,7 +29,7 @@ def burn(occupied):
 
 
 def find_way(start, goal, least):
-    """The shortest way over cells with a number of at least `least`; empty if there is none."""
+    """The shortest path over cells with a number of at least `least`; empty if there is none."""
     towards, queue = {goal: None}, [goal]
     for cell in queue:
         for n in neighbours(cell):

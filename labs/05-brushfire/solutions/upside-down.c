@@ -1,4 +1,4 @@
-/* A mistake: the grid is printed with its lowest row first. */
+/* A mistake: the program prints the lowest row of the grid first. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,13 +22,13 @@ static Cell neighbour(Cell cell, int i)
   return (Cell){ cell.row + NEIGHBOURS[i].row, cell.column + NEIGHBOURS[i].column };
 }
 
-/* Number of a cell; beyond the floor all is occupied. */
+/* Number of a cell; cells beyond the floor are occupied. */
 static int number_of(Cell cell)
 {
   return is_inside(cell) ? number[cell.row][cell.column] : 1;
 }
 
-/* Burns one front after the other: cells without a number beside a cell of the front before. */
+/* Burns one front after the other. A front is the cells without a number beside a cell of the previous front. */
 static void burn(void)
 {
   int value, has_burnt = 1, row, column, i;
@@ -50,14 +50,14 @@ static void print_numbers(void)
       printf("%2d%c", number[row][column], column < SIDE - 1 ? ' ' : '\n');
 }
 
-/* Finds the shortest way over cells with a number of at least `min_number`. Returns its length in cells, 0 if there is none. */
+/* Finds the shortest path over cells with a number of at least `min_number`. Returns its length in cells, 0 if there is none. */
 static int find_route(Cell start, Cell goal, int min_number, Cell *route)
 {
   static Cell queue[SIDE * SIDE], before[SIDE][SIDE];
   int is_found[SIDE][SIDE] = { { 0 } }, first = 0, last = 0, count = 0, i;
   Cell cell;
 
-  queue[last++] = goal; /* from the goal, so that the way leads from cell to cell towards it */
+  queue[last++] = goal; /* starts at the goal, so the path leads from cell to cell towards it */
   is_found[goal.row][goal.column] = 1;
   while (first < last) {
     cell = queue[first++];

@@ -1,5 +1,5 @@
-"""A*: prints the distances between places, finds a shortest way from the first to the last and drives it. Arguments: eight places, then the
-pillars, X Y each, in mm. The robot keeps out of the square of 500 mm around each pillar.
+"""A*: prints the distances between places, finds a shortest path from the first to the last and drives along it. Arguments: eight places, then
+the pillars, X Y each, in mm. The robot keeps out of the square of 500 mm around each pillar.
 """
 import heapq
 import sys
@@ -10,13 +10,13 @@ from eye import *
 PLACES = 8
 GOAL = PLACES - 1
 HALF = 250   # half the side of the square around a pillar, mm
-PIECE = 500  # longest drive without a look at odometry, mm
+PIECE = 500  # maximum drive between two readings of odometry, mm
 
 
 def is_free(a, b):
     """True if the straight line passes through no square around a pillar."""
     for pillar in pillars:
-        first, last = 0, 1  # the part of the line within the square
+        first, last = 0, 1  # ends of the part of the line within the square, 0 to 1
         for axis in 0, 1:
             way, offset = b[axis] - a[axis], pillar[axis] - a[axis]
             if way != 0:
@@ -30,7 +30,7 @@ def is_free(a, b):
 
 
 def find_way():
-    """A*: the places on a shortest way. The cost of a place is the way to it and the straight distance from it to the goal."""
+    """A*: the places on a shortest path. The cost of a place is the path to it plus the straight distance from it to the goal."""
     queue, before, cost = [(dist(places[0], places[GOAL]), 0)], {0: None}, {0: 0}
     while queue:
         _, place = heapq.heappop(queue)
@@ -48,7 +48,7 @@ def find_way():
 
 
 def drive_to(to_x, to_y):
-    """Drives to a point in pieces: before each, odometry gives the end of the previous one."""
+    """Drives to a point in parts. Before each part, odometry gives the end of the previous one."""
     while True:
         x, y, phi = VWGetPosition()
         way = round(hypot(to_x - x, to_y - y))

@@ -1,4 +1,4 @@
-/* A mistake: the matrix that is printed has the distances through pillars, too. */
+/* A mistake: the printed matrix also contains distances through pillars. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,15 +8,15 @@
 #define GOAL   (PLACES - 1)
 #define MAX_PILLARS   20   /* pillars */
 #define HALF   250  /* half the side of the square around a pillar, mm */
-#define PIECE  500  /* longest drive without a look at odometry, mm */
+#define PIECE  500  /* maximum drive between two readings of odometry, mm */
 
 typedef struct { double x, y; } Point; /* mm */
 
 static Point places[PLACES], pillars[MAX_PILLARS];
 static int pillar_count;
-static double matrix[PLACES][PLACES]; /* mm; -1 where there is no straight way */
+static double matrix[PLACES][PLACES]; /* mm; -1 if there is no straight path */
 
-/* Cuts the part `first` to `last` (0 to 1) of a line, on one axis, to that within HALF of a pillar. */
+/* Shortens the part from `first` to `last` (0 to 1) of a line to the part within HALF of a pillar, on one axis. */
 static void cut(double from, double to, double pillar, double *first, double *last)
 {
   double delta = to - from, a = (pillar - HALF - from) / delta, b = (pillar + HALF - from) / delta;
@@ -60,7 +60,7 @@ static void measure(void)
   }
 }
 
-/* A*: the cost of a place is the way to it and the straight distance from it to the goal. Returns the number of places on the way. */
+/* A*: the cost of a place is the path to it plus the straight distance from it to the goal. Returns the number of places on the path. */
 static int find_route(int route[PLACES])
 {
   double cost[PLACES];
@@ -93,7 +93,7 @@ static int find_route(int route[PLACES])
   return count;
 }
 
-/* Drives to a point in pieces: before each, odometry gives the end of the previous one. */
+/* Drives to a point in parts. Before each part, odometry gives the end of the previous one. */
 static void drive_to(Point to)
 {
   for (;;) {

@@ -1,7 +1,7 @@
-/* Maps a room with the laser scanner: drives round along the walls, where there are no boxes, and scans every half metre.
+/* Maps a room with the laser scanner: drives around along the walls, where there are no boxes, and scans every half metre.
  *
- * A ray says that the cells on its way are free and that the cell behind its end is occupied. Each cell counts both, and the greater
- * number wins: single errors, from readings and from the rounding of headings, lose. */
+ * A ray means that the cells along it are free and that the cell behind its end is occupied. Each cell counts both, and the greater
+ * number decides, so single errors from readings and from the rounding of headings have no effect. */
 #include <math.h>
 #include <stdio.h>
 #include "eyebot.h"
@@ -10,9 +10,9 @@
 #define ROWS    12
 #define CELL    250  /* mm */
 #define POINTS  360
-#define STEP    25   /* between places on a ray, mm */
-#define MARGIN  40   /* a ray counts as free up to this far before its end, mm */
-#define BEHIND  25   /* so far behind its end it is in what it hit, mm */
+#define STEP    25   /* distance between points on a ray, mm */
+#define MARGIN  40   /* distance before the end of a ray up to which the ray counts as free, mm */
+#define BEHIND  25   /* distance beyond the end of a ray of a point inside the obstacle, mm */
 
 static int free_count[ROWS][COLUMNS], occupied_count[ROWS][COLUMNS];
 

@@ -1,16 +1,16 @@
-"""Maps a room with the laser scanner: drives round along the walls, where there are no boxes, and scans every half metre.
+"""Maps a room with the laser scanner: drives around along the walls, where there are no boxes, and scans every half metre.
 
-A ray says that the cells on its way are free and that the cell behind its end is occupied. Each cell counts both, and the greater number
-wins: single errors, from readings and from the rounding of headings, lose.
+A ray means that the cells along it are free and that the cell behind its end is occupied. Each cell counts both, and the greater number
+decides, so single errors from readings and from the rounding of headings have no effect.
 """
 from math import atan2, cos, degrees, hypot, radians, remainder, sin
 
 from eye import *
 
 COLUMNS, ROWS, CELL = 16, 12, 250  # cells in mm
-STEP = 50    # between places on a ray, mm
-MARGIN = 40  # a ray counts as free up to this far before its end, mm
-BEHIND = 25  # so far behind its end it is in what it hit, mm
+STEP = 50    # distance between points on a ray, mm
+MARGIN = 40  # distance before the end of a ray up to which the ray counts as free, mm
+BEHIND = 25  # distance beyond the end of a ray of a point inside the obstacle, mm
 CORNERS = (500, 500), (3500, 500), (3500, 2500), (500, 2500), (500, 500)
 
 free_count = [[0] * COLUMNS for _ in range(ROWS)]

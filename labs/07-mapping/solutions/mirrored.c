@@ -1,4 +1,4 @@
-/* A mistake: the points of a scan are taken from right to left, so that the map is a mixture of mirrored rooms. */
+/* A mistake: the program takes the points of a scan from right to left, so the map is a mixture of mirrored rooms. */
 #include <math.h>
 #include <stdio.h>
 #include "eyebot.h"
@@ -7,9 +7,9 @@
 #define ROWS    12
 #define CELL    250  /* mm */
 #define POINTS  360
-#define STEP    25   /* between places on a ray, mm */
-#define MARGIN  40   /* a ray counts as free up to this far before its end, mm */
-#define BEHIND  25   /* so far behind its end it is in what it hit, mm */
+#define STEP    25   /* distance between points on a ray, mm */
+#define MARGIN  40   /* distance before the end of a ray up to which the ray counts as free, mm */
+#define BEHIND  25   /* distance beyond the end of a ray of a point inside the obstacle, mm */
 
 static int free_count[ROWS][COLUMNS], occupied_count[ROWS][COLUMNS];
 

@@ -4,9 +4,9 @@ from math import cos, radians, sin
 from eye import *
 
 COLUMNS, ROWS, CELL = 16, 12, 250  # cells in mm
-STEP = 50    # between places on a ray, mm
-MARGIN = 40  # a ray counts as free up to this far before its end, mm
-BEHIND = 25  # so far behind its end it is in what it hit, mm
+STEP = 50    # distance between points on a ray, mm
+MARGIN = 40  # distance before the end of a ray up to which the ray counts as free, mm
+BEHIND = 25  # distance beyond the end of a ray of a point inside the obstacle, mm
 
 free_count = [[0] * COLUMNS for _ in range(ROWS)]
 occupied_count = [[0] * COLUMNS for _ in range(ROWS)]

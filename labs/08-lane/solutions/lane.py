@@ -7,16 +7,16 @@ from math import cos, degrees, pi, radians, sin, tan
 
 from eye import *
 
-LANE = 370     # width, mm
-TILT = -10     # of the camera, degrees
-CAMERA_X = 62  # of the S4, mm
+LANE = 370     # width of the lane, mm
+TILT = -10     # tilt of the camera, degrees
+CAMERA_X = 62  # position of the S4's camera, mm
 CAMERA_Z = 60
-WIDTH, HEIGHT = 160, 120  # of the image, pixels
-ROW = 52       # of the image, about 0.55 m ahead
-CONTRAST = 40  # least difference between road and line
-WIDEST = 60    # greatest width of the line, mm
+WIDTH, HEIGHT = 160, 120  # size of the image, pixels
+ROW = 52       # row of the image that shows the floor about 0.55 m ahead
+CONTRAST = 40  # minimum difference of brightness between road and line
+WIDEST = 60    # maximum width of the line, mm
 SPEED = 300    # mm/s
-ROUND = 450    # degrees: a lap turns the robot by 360; more, since it may have begun before a bend
+ROUND = 450    # degrees: a lap turns the robot by 360; 90 more, since it may have started before a bend
 
 # Distance of the row on the floor, and width that a pixel shows there, mm. The camera has a field of view of 60 degrees.
 focal = WIDTH / 2 / tan(pi / 6)
@@ -27,9 +27,9 @@ per_column = CAMERA_Z / down / focal
 
 
 def find_line(image, last):
-    """Place of the line nearest to where it was last, in mm to the left; None if there is none."""
+    """Position of the line nearest to its last position, in mm to the left; None if there is none."""
     rows = [image[row * WIDTH:(row + 1) * WIDTH] for row in (ROW - 1, ROW, ROW + 1)]
-    levels = [sum(pixels) // 3 for pixels in zip(*rows)]  # single wrong pixels count less
+    levels = [sum(pixels) // 3 for pixels in zip(*rows)]  # so single wrong pixels have less effect
     darkest, brightest = min(levels), max(levels)
     if brightest - darkest < CONTRAST:
         return None

@@ -8,10 +8,10 @@
 #define CAMERA_X 62   /* of the S4, mm */
 #define CAMERA_Z 60
 #define ROW      52   /* of the image, about 0.55 m ahead */
-#define CONTRAST 40   /* least difference between road and line */
+#define CONTRAST 40   /* minimum difference of brightness between road and line */
 #define WIDEST   60   /* maximum width of the line, mm */
 #define SPEED    300  /* mm/s */
-#define ROUND    450  /* degrees: a lap turns the robot by 360; more, since it may have begun before a bend */
+#define ROUND    450  /* degrees: a lap turns the robot by 360; 90 more, since it may have started before a bend */
 
 static BYTE image[QQVGA_PIXELS];
 static double ahead, per_column; /* distance of the row on the floor, and width that a pixel shows there, mm */
@@ -25,20 +25,20 @@ static void measure_row(void)
   per_column = CAMERA_Z / down / focal;
 }
 
-/* Place of a column on the floor, mm to the left. */
+/* Position on the floor that a column shows, in mm to the left. */
 static double left_of(double column)
 {
   return (QQVGA_X / 2 - 0.5 - column) * per_column;
 }
 
-/* Mean of three rows, in which single wrong pixels count less. */
+/* Mean of three rows, so that single wrong pixels have less effect. */
 static int brightness(int column)
 {
   const BYTE *pixel = image + ROW * QQVGA_X + column;
   return (pixel[-QQVGA_X] + *pixel + pixel[QQVGA_X]) / 3;
 }
 
-/* Finds the line nearest to where it was last. Returns 1 if there is one, and its place in mm to the left. */
+/* Finds the line nearest to its last position. Returns 1 if there is one; `line` becomes its position, in mm to the left. */
 static int find_line(double *line)
 {
   int x, start = -1, darkest = 255, brightest = 0, is_found = 0;

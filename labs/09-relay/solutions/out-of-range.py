@@ -1,4 +1,4 @@
-"""A mistake: robot 1 sends to robot 4 directly, which is out of its range, and nobody notices that nothing arrives."""
+"""A mistake: robot 1 sends directly to robot 4, which is out of range, and the program does not detect that nothing arrives."""
 import sys
 
 from eye import *

@@ -1,6 +1,6 @@
 /* Passes five words from robot 1 to robot 4 over a radio that reaches the next robot only and loses messages: stop-and-wait.
  *
- * A word is sent with its number until the next robot acknowledges this number; by the number the receiver knows a word that comes twice.
+ * A word is sent with its number until the next robot acknowledges this number. The receiver recognises a repeated word by its number.
  * Messages: `3 word` is word 3, `ack 3` acknowledges it. Each robot takes all words before it passes them on. */
 #include <stdio.h>
 #include <string.h>
@@ -9,12 +9,12 @@
 #define ROBOTS  4
 #define WORDS   5
 #define LENGTH  32
-#define TIMEOUT 100   /* ms without an acknowledgement: send again */
+#define TIMEOUT 100   /* ms without an acknowledgement until a word is sent again */
 #define LINGER  3000  /* ms of silence at the end, since the last acknowledgement may be lost */
 
 static int me;
 static char words[WORDS + 1][LENGTH];
-static int taken, acknowledged; /* number of the last word that came in, and of the last that the next robot has */
+static int taken, acknowledged; /* numbers of the last word received, and of the last word that the next robot has acknowledged */
 
 /* Waits for a message and handles it. Returns 0 if none arrives in time. */
 static int handle(int timeout)
@@ -38,7 +38,7 @@ static int handle(int timeout)
       if (me == ROBOTS)
         printf("%s\n", word);
     }
-    sprintf(text, "ack %d", number); /* also of a word that comes again: the first acknowledgement was lost */
+    sprintf(text, "ack %d", number); /* also for a repeated word, whose first acknowledgement was lost */
     RADIOSend(me - 1, text);
   }
   return 1;
@@ -61,7 +61,7 @@ int main(int argc, char *argv[])
 
   RADIOInit();
   me = RADIOGetID();
-  OSWait(100); /* until all radios are on */
+  OSWait(100); /* wait until all radios are on */
   if (me == 1)
     for (number = 1; number <= WORDS && number < argc; number++)
       snprintf(words[taken = number], LENGTH, "%s", argv[number]);

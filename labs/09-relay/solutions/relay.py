@@ -1,6 +1,6 @@
 """Passes five words from robot 1 to robot 4 over a radio that reaches the next robot only and loses messages: stop-and-wait.
 
-A word is sent with its number until the next robot acknowledges this number; by the number the receiver knows a word that comes twice.
+A word is sent with its number until the next robot acknowledges this number. The receiver recognises a repeated word by its number.
 Messages: `3 word` is word 3, `ack 3` acknowledges it. Each robot takes all words before it passes them on.
 """
 import sys
@@ -9,11 +9,11 @@ from eye import *
 
 ROBOTS = 4
 WORDS = 5
-TIMEOUT = 100  # ms without an acknowledgement: send again
-LINGER = 3000  # ms of silence at the end, since the last acknowledgement may be lost
+TIMEOUT = 100  # ms without an acknowledgement until a word is sent again
+LINGER = 3000  # ms without a message at the end until the program ends, since the last acknowledgement may be lost
 
 words = []
-acknowledged = 0  # number of the last word that the next robot has
+acknowledged = 0  # number of the last word that the next robot has acknowledged
 
 
 def handle(timeout):
@@ -34,7 +34,7 @@ def handle(timeout):
             words.append(value)
             if me == ROBOTS:
                 print(value)
-        RADIOSend(me - 1, f"ack {kind}")  # also of a word that comes again: the first acknowledgement was lost
+        RADIOSend(me - 1, f"ack {kind}")  # also for a repeated word, whose first acknowledgement was lost
     return True
 
 
@@ -47,7 +47,7 @@ def pass_on(number):
 
 RADIOInit()
 me = RADIOGetID()
-OSWait(100)  # until all radios are on
+OSWait(100)  # wait until all radios are on
 if me == 1:
     words = sys.argv[1:]
 while len(words) < WORDS:

@@ -1,4 +1,4 @@
-/* A mistake: the simulator carries the robot, which a real one would not do. */
+/* A mistake: the program moves the robot with a function of the simulator, which a real robot does not have. */
 #include "eyebot.h"
 
 int main(void)

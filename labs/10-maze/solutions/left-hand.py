@@ -1,4 +1,4 @@
-"""A mistake: keeps the left hand on the wall. It finds the goal, but it knows no map, so that it cannot race."""
+"""A mistake: the robot keeps the left hand on the wall. It finds the goal, but it has no map, so it cannot race."""
 from math import atan2, degrees, hypot, remainder
 
 from eye import *

@@ -1,7 +1,7 @@
-/* Explores the maze by flood fill and races to the goal on a shortest way.
+/* Explores the maze by flood fill and races to the goal on a shortest path.
  *
- * Each cell holds its number of steps to the goal, as if there were no walls but those seen so far. The robot goes to a neighbour that is
- * one step nearer. It goes to the goal and back until no unknown wall can hide a shorter way; then it races.
+ * Each cell holds its number of steps to the goal, assuming no walls other than those seen so far. The robot goes to a neighbour that is
+ * one step nearer. It goes to the goal and back until no shorter path through unknown sides can exist; then it races.
  *
  * Directions are quarter turns to the left from the x axis: 0 right, 1 up, 2 left, 3 down. */
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #define SIZE 6       /* cells in a row */
 #define CELL 360     /* mm */
-#define NEAR 250     /* a wall of the robot's own cell is nearer, mm */
+#define NEAR 250     /* distance below which a wall belongs to the robot's own cell, mm */
 #define FAR  9999    /* more steps than there are cells */
 
 typedef enum { UNKNOWN, WALL, OPEN } Side;
@@ -28,7 +28,7 @@ static int is_inside(int x, int y)
   return 0 <= x && x < SIZE && 0 <= y && y < SIZE;
 }
 
-/* Records one side of the robot's cell, which is the opposite side of its neighbour, too. */
+/* Records one side of the robot's cell, which is also the opposite side of its neighbour. */
 static void note(int d, int distance)
 {
   Side seen = distance < NEAR ? WALL : OPEN;
@@ -50,7 +50,7 @@ static int is_free(int x, int y, int d, int hopeful)
   return free && is_inside(x + dx[d], y + dy[d]);
 }
 
-/* Counts the steps from every cell to the goal; unknown sides are open if `hopeful`, else walls. Returns those from the start. */
+/* Counts the steps from every cell to the goal; unknown sides are open if `hopeful`, else walls. Returns the steps from the start. */
 static int flood(Cell goal, int hopeful)
 {
   Cell queue[SIZE * SIZE];
@@ -97,7 +97,7 @@ static void turn_to(int heading)
   }
 }
 
-/* Goes to the neighbour in a direction. The middle of its cell is aimed at by odometry, so that errors do not add up. */
+/* Drives to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up. */
 static void go(int d, int speed)
 {
   int x, y, phi, to_x, to_y;

@@ -1,7 +1,7 @@
-"""Explores the maze by flood fill and races to the goal on a shortest way.
+"""Explores the maze by flood fill and races to the goal on a shortest path.
 
-Each cell holds its number of steps to the goal, as if there were no walls but those seen so far. The robot goes to a neighbour that is
-one step nearer. It goes to the goal and back until no unknown wall can hide a shorter way; then it races.
+Each cell holds its number of steps to the goal, assuming no walls other than those seen so far. The robot goes to a neighbour that is
+one step nearer. It goes to the goal and back until no shorter path through unknown sides can exist; then it races.
 
 Directions are quarter turns to the left from the x axis: 0 right, 1 up, 2 left, 3 down.
 """
@@ -11,7 +11,7 @@ from eye import *
 
 SIZE = 6    # cells in a row
 CELL = 360  # mm
-NEAR = 250  # a wall of the robot's own cell is nearer, mm
+NEAR = 250  # distance below which a wall belongs to the robot's own cell, mm
 START, GOAL = (0, 0), (SIZE - 1, SIZE - 1)
 STEPS = (1, 0), (0, 1), (-1, 0), (0, -1)
 
@@ -24,7 +24,7 @@ def neighbour(cell, d):
 
 
 def look():
-    """Records three sides of the robot's cell, which are the opposite sides of its neighbours, too."""
+    """Records three sides of the robot's cell, which are also the opposite sides of its neighbours."""
     for turn, sensor in (0, PSD_FRONT), (1, PSD_LEFT), (3, PSD_RIGHT):
         d = (direction + turn) % 4
         open_sides[cell, d] = open_sides[neighbour(cell, d), (d + 2) % 4] = PSDGet(sensor) >= NEAR
@@ -55,7 +55,7 @@ def downhill(steps, hopeful):
 
 
 def go(d, speed):
-    """Goes to the neighbour in a direction. The middle of its cell is aimed at by odometry, so that errors do not add up."""
+    """Drives to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up."""
     global cell, direction
     cell, direction = neighbour(cell, d), d
     to_x, to_y = (number * CELL + CELL // 2 for number in cell)

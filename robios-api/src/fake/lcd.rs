@@ -2,7 +2,7 @@
 
 use robios_sys::robios6::{LCD_COLUMNS, LCD_HEIGHT, LCD_ROWS, LCD_WIDTH};
 
-/// Text and pixels in separate buffers: pixels hold only drawings.
+/// The display's text and pixels, in separate buffers: pixels contain only drawings.
 #[derive(Debug)]
 pub struct LcdBuffer {
     text: Vec<Vec<u8>>,

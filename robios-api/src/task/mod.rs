@@ -55,7 +55,7 @@ pub struct TaskSettings {
     pub priority: Priority,
     /// Requested stack in bytes; the actual stack is larger.
     pub stack_bytes: u32,
-    /// Any number, returned by [`Tasks::uid`].
+    /// Any number; [`Tasks::uid`] returns it.
     pub uid: i32,
 }
 

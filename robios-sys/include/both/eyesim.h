@@ -1,6 +1,6 @@
-/* Functions of the simulator that no real robot has, for programs of both generations of RoBIOS.
+/* Functions of the simulator, which real robots lack, for programs of both generations of RoBIOS.
  *
- * Layers: what a program knows of its surroundings, shown in the window below the robots. Each robot has up to 16 layers with names
+ * Layers show in the window, below the robots, what a program has computed, such as a map. Each robot has up to 16 layers with names
  * of up to 32 bytes; a call replaces the layer of that name. Nothing else is affected, and no time passes. All functions return 0;
  * 1, with a hint, if an argument is beyond a limit or not a number. Lengths are in metres. */
 #ifndef EYESIM_EYESIM_H
@@ -10,10 +10,10 @@
 extern "C" {
 #endif
 
-#define EYESIM_WORLD 0      /* Frame: that of the world. */
-#define EYESIM_ODOMETRY 1   /* Frame: that of odometry, where it was when the program set it last, or at the robot's start. */
-#define EYESIM_OCCUPIED 100 /* A cell that is surely occupied; 0 is surely free. */
-#define EYESIM_UNKNOWN 255  /* A cell of which nothing is known. */
+#define EYESIM_WORLD 0      /* The frame of the world. */
+#define EYESIM_ODOMETRY 1   /* The frame of odometry, fixed in the world when the program last set the odometry, or at the robot's start. */
+#define EYESIM_OCCUPIED 100 /* A cell that is certainly occupied; 0 is certainly free. */
+#define EYESIM_UNKNOWN 255  /* An unknown cell. */
 
 /* Shows a grid of square cells of cell_m, up to 1048576 of them. Its corner with the smallest coordinates is at x_m, y_m. cells: one byte
  * each, row by row from the smallest y, each row from the smallest x; 0 to 100, or EYESIM_UNKNOWN. */
@@ -24,7 +24,7 @@ int eyesim_show_grid(const char *name, int frame, double x_m, double y_m, double
  * layer. */
 int eyesim_show_points(const char *name, int frame, int dimensions, int count, const double *coordinates_m);
 
-/* As eyesim_show_points, for a line through the points: a path, or a profile of the ground. */
+/* Like eyesim_show_points, for a line through the points, such as a path or a profile of the ground. */
 int eyesim_show_line(const char *name, int frame, int dimensions, int count, const double *coordinates_m);
 
 #ifdef __cplusplus

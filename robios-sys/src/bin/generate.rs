@@ -1,4 +1,4 @@
-//! Regenerates the files that are generated from the lists: headers and parts of the shim, `docs/c-library.md`, and the references of both
+//! Regenerates the files that follow from the lists: headers and parts of the shim, `docs/c-library.md`, and the references of both
 //! generations:
 //! `cargo run -p robios-sys --bin generate`.
 

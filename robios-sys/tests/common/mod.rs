@@ -75,7 +75,7 @@ pub struct Built {
     library: PathBuf,
 }
 
-/// Builds a program of C files, each with its text; `flags` go to all of them and to the shim's `main` check.
+/// Builds a program from the texts of C files. `flags` apply to all of them and to the shim's check of `main`.
 pub fn build(files: &[&str], flags: &[&str], shim_flags: &[&str]) -> Built {
     let folder = folder();
     let mut objects = vec![shim(shim_flags)];
@@ -132,7 +132,7 @@ pub struct Robot {
     pub number: u64,
     /// Calls of RoBIOS, as logged.
     pub calls: RefCell<Vec<String>>,
-    /// Standard output and error: one entry a call of `console`.
+    /// Standard output and error: one entry for each call of `console`.
     pub out: RefCell<Vec<String>>,
     pub err: RefCell<Vec<String>>,
     /// Arguments of `failed`.
@@ -185,7 +185,7 @@ impl Support for Robot {
         let mut seeds = self.seeds.borrow_mut();
         let (seed, drawn) = seeds.entry(purpose).or_insert((0, 0));
         *drawn += 1;
-        // Any mixing will do here.
+        // Any mixing function is good enough here.
         let mut x = (self.number << 48) ^ (u64::from(purpose) << 40) ^ (*seed << 20) ^ *drawn;
         for _ in 0..3 {
             x = (x ^ (x >> 31)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -296,5 +296,5 @@ impl Robios6 for Robot {
     }
 }
 
-/// The marker types, so that a change of their names is noticed here too.
+/// Uses the marker types, so that a change of their names breaks this test too.
 pub type Markers = (In<Image>, InOut<ColImage>);

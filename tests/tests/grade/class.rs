@@ -1,4 +1,4 @@
-//! A class of submissions: honest ones in every form, and those that break, hang, lie or attack.
+//! A class of submissions: honest ones in every file format, and those that crash, hang, cheat or attack.
 
 use std::io::{Cursor, Write as _};
 use std::path::Path;
@@ -6,27 +6,27 @@ use std::path::Path;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A submission: its name, its form, and what its row must say.
+/// A submission: its name, its files, and the expected content of its row.
 pub struct Case {
     /// Name of the student.
     pub name: String,
-    /// What was handed in.
+    /// The submitted files.
     pub form: Form,
     /// The verdict, `passed`, `failed` or `error`, and a part of the message of the first failure.
     pub expected: (&'static str, &'static str),
 }
 
-/// What was handed in.
+/// The submitted files.
 pub enum Form {
     /// A folder with these files.
     Folder(Vec<(&'static str, Vec<u8>)>),
     /// One file, whose name follows that of the student.
     File(&'static str, Vec<u8>),
-    /// A folder of which one entry is no file.
+    /// A folder with one entry that is not a regular file.
     Special(&'static str, Special),
 }
 
-/// An entry that is no file.
+/// An entry that is not a regular file.
 #[derive(Clone, Copy)]
 pub enum Special {
     Fifo,
@@ -62,7 +62,7 @@ impl Case {
     }
 }
 
-/// A program with this body of `main`.
+/// A program with these statements in `main`.
 pub fn program(body: &str) -> Vec<u8> {
     format!(
         "#include \"eyebot.h\"\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n#include <signal.h>\n\
@@ -71,7 +71,7 @@ pub fn program(body: &str) -> Vec<u8> {
     .into_bytes()
 }
 
-/// Drives to the goal at this speed.
+/// A program that drives to the goal at this speed.
 pub fn honest(speed: u32) -> Vec<u8> {
     program(&format!("VWStraight(900, {speed}); VWWait();"))
 }
@@ -98,15 +98,15 @@ pub fn tar_of(entries: &[(&str, &[u8])]) -> Vec<u8> {
     builder.into_inner().expect("an archive")
 }
 
-/// Compressed bytes.
+/// The bytes compressed by gzip.
 pub fn gz(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     encoder.write_all(bytes).expect("bytes");
     encoder.finish().expect("an archive")
 }
 
-/// The submissions, which are graded below `place`: there lie `home` with a `diary.txt`, `lab` with the suite and a `hidden.h`, `in` with the
-/// submissions and `out` with the results.
+/// The submissions, for grading in `folder`. This folder contains `home` with a `diary.txt`, `lab` with the suite and a
+/// `hidden.h`, `in` with the submissions, and `out` with the results.
 pub fn class(folder: &Path) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |name: &str, form: Form, verdict: &'static str, message: &'static str| {
@@ -126,7 +126,7 @@ pub fn class(folder: &Path) -> Vec<Case> {
 
 type Add<'a> = &'a mut dyn FnMut(&str, Form, &'static str, &'static str);
 
-/// Honest programs in every form.
+/// Honest programs in every file format.
 fn forms(add: Add<'_>) {
     let mine = honest(200);
     add("form-zip", Form::File(".zip", zip_of(&[("lab/solve.c", &mine)])), "passed", "");
@@ -157,7 +157,7 @@ fn forms(add: Add<'_>) {
     add("form-copy", Form::Folder(vec![("solve.c", mine.clone()), ("lab.zip", inner)]), "passed", "");
 }
 
-/// Submissions that are not unpacked, or have nothing to build.
+/// Submissions that are not unpacked or contain nothing to build.
 fn refused(add: Add<'_>) {
     let mine = honest(200);
     add("refused-empty-folder", Form::Folder(vec![]), "error", "no file fits");
@@ -246,7 +246,7 @@ fn broken(add: Add<'_>) {
     file("run-wrong-way", "VWStraight(-300, 200); VWWait();", "goal");
 }
 
-/// Honest drives by programs that try to look like more, or to break those who read about them.
+/// Programs that drive honestly but pretend to have better results, or attack the readers of the results.
 fn liars(add: Add<'_>) {
     let drive = "VWStraight(900, 200); VWWait();";
     let mut file = |name: &str, body: &str, verdict, message| {
@@ -258,7 +258,7 @@ fn liars(add: Add<'_>) {
         "failed",
         "goal",
     );
-    // Too long without a call, or too much processor time: whatever comes first.
+    // The reason is a long time without a call or too much processor time, whichever occurs first.
     file(
         "lie-gigabytes",
         "char a[4096]; memset(a, 'x', sizeof a); for (long i = 0; i < 1L << 28; i++) fwrite(a, 1, sizeof a, stdout); DRIVE",
@@ -297,7 +297,8 @@ fn liars(add: Add<'_>) {
     add("lie-constructor", Form::File(".c", early.to_vec()), "passed", "");
 }
 
-/// A program that tries what must be closed to it: `CLOSED(attempt)` ends it with 40 where the attempt succeeds; it ends with 7 if none does.
+/// A program that attempts forbidden actions: `CLOSED(attempt)` exits with 40 if the attempt succeeds. It exits with 7
+/// if none succeeds.
 fn attack(body: &str, folder: &Path) -> Vec<u8> {
     let text = format!(
         "#define _GNU_SOURCE\n#include \"eyebot.h\"\n#include <errno.h>\n#include <fcntl.h>\n#include <pthread.h>\n#include <signal.h>\n\
@@ -315,7 +316,8 @@ fn attack(body: &str, folder: &Path) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Programs that attack the machine, the judge, its files or other submissions. Counts are bounded, so that a hole hurts no machine.
+/// Programs that attack the machine, the grader, its files or other submissions. Loops are bounded, so a hole in the
+/// sandbox harms no machine.
 fn attackers(add: Add<'_>, folder: &Path) {
     const FAILS: &str = "exit code 7";
     let mut file = |name: &str, body: &str, verdict, message| {
@@ -327,7 +329,7 @@ fn attackers(add: Add<'_>, folder: &Path) {
         "failed",
         FAILS,
     );
-    // Where limits on processes bind it, the threads fail; elsewhere the simulator counts them.
+    // If a limit on processes applies, creating threads fails; otherwise the simulator counts them.
     file(
         "thread-bomb",
         "for (int i = 0; i < 2000; i++) { pthread_t t; if (pthread_create(&t, 0, idle, 0)) break; }\nfor (;;) pause();",
@@ -357,7 +359,7 @@ fn attackers(add: Add<'_>, folder: &Path) {
         "failed",
         FAILS,
     );
-    // Too long without a call, or too much processor time: whatever comes first.
+    // The reason is a long time without a call or too much processor time, whichever occurs first.
     file(
         "gigabyte",
         "static char b[1 << 20]; memset(b, 'x', sizeof b); for (int i = 0; i < 65536; i++) if (write(1, b, sizeof b) < 0) break;",
@@ -403,7 +405,7 @@ fn attackers(add: Add<'_>, folder: &Path) {
         "failed",
         "",
     );
-    // Honest drives of programs that look for signs of a grading.
+    // Programs that drive honestly and look for signs that they are being graded.
     file(
         "environment",
         "if (getenv(\"LD_PRELOAD\")) exit(41);\n\

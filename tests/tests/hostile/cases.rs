@@ -1,4 +1,4 @@
-//! The catalogue: hostile robot programs as data, composed where that is shorter.
+//! The catalogue of hostile robot programs as data; some are composed of parts.
 
 /// Language of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,15 +18,15 @@ pub struct Case {
     pub class: &'static str,
     pub name: String,
     pub language: Language,
-    /// Its text; for Rust the name of an arm in `hostile.rs`.
+    /// Source text; for Rust the name of an arm in `hostile.rs`.
     pub source: String,
-    /// Words of which the message contains at least one; empty if the program may end well.
+    /// The message must contain one of these texts; empty if the program may end well.
     pub told: &'static [&'static str],
 }
 
 use Language::{C, C7, Cpp, Python, Rust};
 
-/// Faults: name, statements in C, words.
+/// Crashes: name, statements in C, expected texts.
 const FAULTS: &[(&str, &str, &[&str])] = &[
     ("null write", "*(volatile int *)0 = 1;", &["segmentation fault at address 0x0"]),
     ("null read", "sink = *(volatile int *)8;", &["segmentation fault at address 0x8"]),
@@ -48,7 +48,7 @@ const FAULTS: &[(&str, &str, &[&str])] = &[
     ("exit with 3", "exit(3);", &["exit code 3"]),
 ];
 
-/// Places of a fault: name, program around `FAULT`.
+/// Places of a crash: name, and the program around `FAULT`.
 const PLACES: &[(&str, &str)] = &[
     ("main", "int main(void) { OSWait(20); FAULT return 0; }"),
     ("timer", "static void f(void) { FAULT } int main(void) { OSAttachTimer(10, f); OSWait(50); return 0; }"),
@@ -67,7 +67,7 @@ const PLACES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Further programs in C: class, name, statements of `main` after a wait, words.
+/// More programs in C: class, name, statements of `main` after a wait, expected texts.
 const BODIES: &[(&str, &str, &str, &[&str])] = &[
     ("loops", "asleep in the kernel", "for (;;) syscall(SYS_pause);", &["too long without a RoBIOS call"]),
     (
@@ -642,7 +642,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     ),
 ];
 
-/// Whole programs: class, name, language, text, words.
+/// Complete programs: class, name, language, source text, expected texts.
 const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     (
         "libraries",
@@ -1272,7 +1272,7 @@ const HEAD7: &str = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.
 const HEAD_CPP: &str = "#include <cstdint>\n#include <exception>\n#include <memory>\n#include <new>\n#include <stdexcept>\n#include <string>\n\
                         #include <thread>\n#include <vector>\n#include \"eyebot.h\"\n";
 
-/// Calls of RoBIOS 6 with an argument in the place of each `@`.
+/// Calls of RoBIOS 6; an argument replaces each `@`.
 const WITH_ARGUMENTS: &str = "LCDPutString((char *)(intptr_t)@); LCDPutChar(@); LCDSetPos(@, @); LCDPutInt(@); LCDPutHex(@); \
     LCDPutFloat(@); LCDSetPixel(@, @, @); LCDLine(@, @, @, @, @); LCDArea(@, @, @, @, @); LCDMode(@); KEYRead(); \
     PSDGet(@); PSDStart(@, @); PSDRelease(); MOTORDrive(@, @); QUADRead(@); QUADReset(@); SERVOSet(@, @); BUMPCheck(@, 0); \
@@ -1314,10 +1314,10 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
-/// Variable whose value, `constructor NAME`, chooses what the constructor of the package in Rust does.
+/// Environment variable that selects the behaviour of the Rust package's constructor, by the value `constructor NAME`.
 pub const CONSTRUCTOR: &str = "HOSTILE_CONSTRUCTOR";
 
-/// The package with the cases in Rust: its first argument is the case.
+/// The Rust package with the Rust cases; its first argument names the case.
 pub const RUST: &str = r#"use robios_api::prelude::*;
 robios_api::program!(main);
 struct Bomb;

@@ -1,7 +1,7 @@
-//! The catalogue of hostile programs: each is ended in time and reported, and changes no other robot's record.
+//! The catalogue of hostile programs: the simulator ends each in time, reports it, and no other robot's record changes.
 //!
-//! `cargo test` runs a sample; `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all in processes, on threads and on fibers, and with
-//! `INSTA_UPDATE=always` also writes the table of their messages, docs/hostile.md.
+//! `cargo test` runs a sample. `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all programs in
+//! processes, on threads and on fibers. `INSTA_UPDATE=always` also writes docs/hostile.md, the table of their messages.
 
 mod cases;
 
@@ -19,10 +19,11 @@ use cases::{Case, Language};
 use serde_json::Value;
 use tests::{Scratch, eyesim_path, root, write_scene};
 
-/// Real time in seconds after which a run counts as hanging; a loaded machine takes ten times as long as an idle one.
+/// Real time in seconds after which a run counts as hanging. A loaded machine takes ten times as long as an idle one.
 const HANGS_S: u64 = 100;
 
-/// Programs that stop the whole process, as the user's Ctrl-Z does: on a thread no process remains that could report it.
+/// Programs that stop the whole process, as Ctrl-Z does. If such a program runs on a thread, no process remains that
+/// could report it.
 const ONLY_APART: [&str; 2] = ["raise(SIGSTOP)", "raise(SIGTSTP)"];
 
 /// Result of a run with a hostile program as robot 2 of three.
@@ -30,13 +31,13 @@ const ONLY_APART: [&str; 2] = ["raise(SIGSTOP)", "raise(SIGTSTP)"];
 struct RunResult {
     code: Option<i32>,
     signal: Option<i32>,
-    /// Outcome and reason of robot 2, or the last words of eyesim.
+    /// Outcome and reason of robot 2, or the last line that eyesim printed.
     text: String,
-    /// Everything that was printed.
+    /// The complete output.
     said: String,
-    /// Poses of the other robots in the trace, a line each.
+    /// Poses of the other robots in the trace, one per line.
     others: Vec<String>,
-    /// The trace ends as that of a run that is complete.
+    /// True if the trace ends like that of a complete run.
     has_end: bool,
     seconds: u64,
 }
@@ -53,7 +54,7 @@ fn file_of(language: Language) -> &'static str {
     }
 }
 
-/// The package of the cases in Rust, written once.
+/// The package with the Rust cases, written once.
 fn rust_package() -> PathBuf {
     static WRITTEN: Mutex<Option<Scratch>> = Mutex::new(None);
     let mut written = WRITTEN.lock().expect("no test panics meanwhile");
@@ -81,7 +82,7 @@ fn run(case: &Case, exec: &str) -> RunResult {
         scratch.write(bad, &case.source);
     }
     write_scene(&scratch, &[]);
-    // Too far away for the hostile robot to drive there.
+    // The other robots are too far away for the hostile robot to reach them.
     let scene = format!(
         "world room.wld\nrobi bot.robi good.c 600 600 0\nrobi bot.robi {bad} 2000 3600 0\nrobi bot.robi good.c 3400 600 0\n"
     );
@@ -93,7 +94,7 @@ fn run(case: &Case, exec: &str) -> RunResult {
     if package.is_some() {
         args.extend(["--args", &rust_case]);
     }
-    // A namespace keeps signals to all processes from the others of this machine.
+    // A process namespace protects the other processes of this machine from signals to all processes.
     let limits = "ulimit -c 0; ulimit -n 512; ulimit -v 6000000; ulimit -f 400000";
     let shell = format!(
         "{limits}; if unshare -p -f --mount-proc true 2>/dev/null; \
@@ -135,14 +136,15 @@ fn in_words(report: &str, stderr: &str, scratch: &Scratch) -> String {
     without_chance(words.trim_end_matches([':', ' ']))
 }
 
-/// `words` without the folders of the shim's sources, which differ from machine to machine.
+/// `words` without the folders of the shim's sources, which depend on the machine.
 fn without_kits(words: &str) -> String {
     let is_kit = |word: &str| word.contains("/eyesim/kits/");
     let short = |word: &str| word.rsplit('/').next().unwrap_or_default().to_owned();
     words.split(' ').map(|word| if is_kit(word) { short(word) } else { word.to_owned() }).collect::<Vec<_>>().join(" ")
 }
 
-/// `words` with `...` for what differs from run to run: addresses above the program's first pages, and names of temporary files.
+/// `words` with `...` in place of text that depends on the run: addresses above the program's first pages, and names of
+/// temporary files.
 fn without_chance(words: &str) -> String {
     let mut kept = String::with_capacity(words.len());
     let mut rest = words;
@@ -158,7 +160,7 @@ fn without_chance(words: &str) -> String {
     kept + rest
 }
 
-/// What is wrong with the outcome of a case, if anything.
+/// Description of what is wrong with the result of a case; `None` if it is right.
 fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String> {
     let RunResult { code, text, said, others, has_end, seconds, .. } = told;
     let is_told = |words: &&str| text.contains(*words) || said.contains(*words);
@@ -166,7 +168,7 @@ fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String
     if *seconds >= HANGS_S || *code == Some(137) && !has_end && said.is_empty() && *seconds >= HANGS_S / 2 {
         return Some("hangs".to_owned());
     }
-    // Where the trace itself was harmed, its lines prove nothing, and the exit code says so.
+    // If the program damaged the trace itself, its lines prove nothing; the exit code must report the damage.
     let is_trace_harmed = *code == Some(2);
     if !is_trace_harmed && !reference.starts_with(others) {
         return Some("changes another robot's record".to_owned());
@@ -187,7 +189,7 @@ fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String
     (!is_told && code.is_some_and(|code| code < 128)).then(|| format!("expected one of {:?}", case.told))
 }
 
-/// Flows of a case, in the order of the table's columns.
+/// Executors of a case, in the order of the table's columns.
 fn flows(case: &Case) -> &'static [&'static str] {
     match case.language {
         Language::Python => &["process"],
@@ -197,7 +199,7 @@ fn flows(case: &Case) -> &'static [&'static str] {
     }
 }
 
-/// Runs the cases on all their flows; returns for each case its message on each flow, and the mistakes.
+/// Runs the cases on all their executors; returns each case's message for each executor, and the mistakes.
 fn run_all(cases: &[Case]) -> (Vec<Vec<String>>, Vec<String>) {
     let harmless = "#include \"eyebot.h\"\nint main(void) { OSWait(20); return 0; }\n".to_owned();
     let harmless = Case { class: "", name: String::new(), language: Language::C, source: harmless, told: &[] };
@@ -237,7 +239,8 @@ fn has_python() -> bool {
     Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success())
 }
 
-/// All cases, or every 20th and the first of each class; `EYESIM_HOSTILE` may also be a part of the names that are run.
+/// The cases to run: every 20th and the first of each class, or all. `EYESIM_HOSTILE` may also be a part of the names
+/// of the cases to run.
 fn chosen() -> Vec<Case> {
     let filter = std::env::var("EYESIM_HOSTILE").unwrap_or_default();
     let mut classes = BTreeSet::new();
@@ -272,7 +275,7 @@ fn the_page_lists_every_case() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
-/// The page with the table.
+/// The text of docs/hostile.md.
 fn page(cases: &[Case], told: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\

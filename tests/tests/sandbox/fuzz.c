@@ -10,7 +10,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-/* One word more than any system call has. */
+/* One more than the highest number of a system call. */
 #define LAST_CALL 480
 
 static unsigned long long state;
@@ -23,7 +23,7 @@ static unsigned random_below(unsigned n)
 
 static void wake(int signal) { (void)signal; }
 
-/* Interrupts calls that wait, whatever calls before have done to signals and timers. */
+/* Interrupts waiting calls, whatever earlier calls have done to signals and timers. */
 static void arm(void)
 {
     struct sigaction action = { .sa_handler = wake };
@@ -66,13 +66,13 @@ int main(int argc, char **argv)
             default: argument[i] = (long)names[random_below(6)]; break;
             }
         }
-        /* Its own end, and the loss of its own memory, would end the search. */
+        /* Calls that end the program or unmap its memory would end the search. */
         if (call == SYS_exit || call == SYS_exit_group || call == SYS_munmap || call == SYS_mprotect || call == SYS_mremap || call == SYS_brk
             || call == SYS_mmap || call == SYS_rt_sigreturn || call == SYS_execve || call == SYS_execveat || call == SYS_close_range
             || call == SYS_madvise || call == SYS_pkey_mprotect || call == SYS_seccomp || call == SYS_clone
 #ifdef SYS_arch_prctl
             || call == SYS_arch_prctl || call == SYS_fork || call == SYS_vfork
-            || call == 335 || call == 336 /* of probes: the kernel ends the process */
+            || call == 335 || call == 336 /* uretprobe, uprobe: the kernel ends a process that calls them */
 #endif
             || ((call == SYS_kill || call == SYS_tgkill) && (argument[0] == getpid() || argument[0] == 0)))
             continue;

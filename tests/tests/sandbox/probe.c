@@ -1,4 +1,4 @@
-/* Tries what a sandbox closes, and prints a line for each attempt: its name, and `closed` or `OPEN`. */
+/* Attempts actions that a sandbox denies, and prints a line for each attempt: its name, and `closed` or `OPEN`. */
 #define _GNU_SOURCE
 #include "eyebot.h"
 #include <errno.h>
@@ -20,7 +20,7 @@
 
 static char path[4096];
 
-/* A file of the victim's folder. */
+/* Path of a file in the victim's folder. */
 static const char *of(const char *folder, const char *name)
 {
     snprintf(path, sizeof path, "%s/%s", folder, name);

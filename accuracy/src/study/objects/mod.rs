@@ -138,7 +138,8 @@ mod tests {
             }
             // A tenth of the path, so no object has passed through a wall or another object.
             assert!(coarse < 0.1, "{name}: {coarse}");
-            // `fine` has a tenth of the step. The depth of the light ball falls with the square root of the step.
+            // `fine` has a tenth of the step of `coarse`. The depth of the light ball decreases with the square root of
+            // the step.
             let factor = if name.ends_with("depth") { 0.6 } else { 0.3 };
             assert!(fine < 1e-9 || fine < factor * coarse, "{name}: {fine}, {coarse}");
         }
@@ -164,7 +165,7 @@ mod tests {
 
     #[test]
     fn robot_and_heavy_crate_have_the_expected_stopping_distance() {
-        // 3 % of 6.5 mm.
+        // The limit is 3 % of 6.5 mm.
         assert!(case::robot_and_heavy_crate() < 0.03, "{}", case::robot_and_heavy_crate());
     }
 }

@@ -35,7 +35,7 @@ fn run(effort: Effort) -> Outcome {
                 study: STUDY.name,
                 method: name.to_owned(),
                 setting: format!("slot of {slot_ms} ms"),
-                // The measured value itself: the mean delay.
+                // The error column contains the measured value itself: the mean delay.
                 error: mean,
                 unit: "s",
                 time_ns,

@@ -76,8 +76,8 @@ fn measure(
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
-/// Time from sending a message until its acknowledgement is visible, if neither is lost. Each takes its air time and is visible at the end
-/// of a slot at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost. Both take their air time and
+/// become visible at the end of a slot at the earliest.
 fn round_trip(slot: Time) -> Time {
     let one_way = |bytes| air_time(bytes, BAUD).max(slot);
     one_way(BYTES) + one_way(ACK)

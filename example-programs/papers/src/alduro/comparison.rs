@@ -1,4 +1,5 @@
-//! The page of the fusion study: settings from training terrains, errors on held-out terrains, and what becomes of the paper's claims.
+//! The page of the fusion study: settings from training terrains, errors on held-out terrains, and verdicts on the
+//! paper's claims.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -17,12 +18,12 @@ use super::survey::{Condition, SIDE, Survey, measure};
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight, escaped};
 use crate::run::Job;
 
-/// Seeds of training and of held-out terrains for the seed 1; those of another seed are farther by a multiple of 100,000.
+/// Seeds of training and held-out terrains for the seed 1; another seed moves them up by a multiple of 100,000.
 const TRAINING: u64 = 127_100;
 const HELD_OUT: u64 = 127_500;
 const APART: u64 = 100_000;
 
-/// Errors of all methods with one number of readings.
+/// Errors of all methods for one number of readings.
 struct Results {
     readings: usize,
     tuned: Vec<Tuned>,
@@ -31,12 +32,12 @@ struct Results {
 }
 
 impl Results {
-    /// Errors in a condition.
+    /// Errors of a method in a condition, m.
     fn of(&self, condition: Condition, method: usize) -> &[f64] {
         &self.errors[condition as usize][method]
     }
 
-    /// The method, of some, with the minimum mean error in training.
+    /// Of the given methods, the one with the minimum mean error in training.
     fn best(&self, methods: &[usize]) -> usize {
         let mean = |method: &usize| Interval::of(&self.tuned[*method].errors).mean;
         let best = methods.iter().min_by(|a, b| mean(a).total_cmp(&mean(b)));
@@ -48,10 +49,10 @@ impl Results {
     }
 }
 
-/// Makes the page with so many training and as many held-out terrains.
+/// Makes the page with `terrains` training terrains and as many held-out ones.
 ///
 /// # Errors
-/// A scene that does not run to its end; a search that does not enclose the optimum.
+/// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     let seeds = |first: u64| {
         let first = first + (job.seed().wrapping_sub(1)).wrapping_mul(APART);
@@ -79,7 +80,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     })?;
     let all_tuned: Vec<Vec<Tuned>> = of_groups.chunks(GROUPS.len()).map(|groups| groups.concat()).collect();
     let chart = work_chart(&training, &all_tuned[0])?;
-    // Nothing is chosen from here on.
+    // All choices are made above.
     let held_out: Vec<Vec<Survey>> = Condition::ALL
         .iter()
         .map(|condition| measure(job, seeds(HELD_OUT), *condition))
@@ -117,7 +118,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// Results of a function over a list, computed by two threads; in the order of the list.
+/// Applies a function to each item of a list, on two threads. The results are in the order of the list.
 fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R> + Sync) -> anyhow::Result<Vec<R>> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
@@ -160,7 +161,7 @@ fn settings(results: &[Results]) -> Table {
     table
 }
 
-/// The settings with all digits, from which others may make the maps again: values in the order of the parameters.
+/// The settings with all digits, in the order of the parameters, so that others can recompute the maps.
 fn exact_settings(results: &[Results]) -> Table {
     let caption = "Parameters of each method, in the order of the table of settings, cut and cells last";
     let mut table = Table::new("fusion-settings", caption, &["method", "readings", "setting"]);
@@ -173,11 +174,11 @@ fn exact_settings(results: &[Results]) -> Table {
     table
 }
 
-/// Computes one row of the table of all errors again, from the table of exact settings: the first held-out terrain as assumed, with
-/// the smaller number of readings.
+/// Recomputes one row of the table of all errors from the table of exact settings: the first held-out terrain under the
+/// assumed condition, with the smaller number of readings.
 ///
 /// # Errors
-/// A table without settings for all methods; a scene that does not run to its end.
+/// If a table lacks settings for a method, or a scene does not run to its end.
 pub fn sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     let condition = Condition::AsAssumed;
     let survey = &measure(job, HELD_OUT..HELD_OUT + 1, condition)?[0];
@@ -210,7 +211,8 @@ fn errors_table(results: &[Results]) -> Table {
     table
 }
 
-/// Pairs of methods that are compared: TSK as printed with each projection of the grid and with the ridge by evidence, ours with all others.
+/// Pairs of methods that are compared: TSK as printed with each projection of the grid and with the ridge of maximum
+/// evidence, and our method with all others.
 fn compared() -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for first in PRINTED {
@@ -250,7 +252,7 @@ fn pairs_table(results: &[Results]) -> Table {
     table
 }
 
-/// All errors, from which others may compute the tables again.
+/// All errors, from which others can recompute the tables.
 fn raw(results: &[Results], held_out: &[Survey]) -> Table {
     let mut head = vec!["condition", "readings", "terrain"];
     head.extend(METHODS.iter().map(|method| method.name));
@@ -309,7 +311,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
         format!("{} cm", centimetres(&of_planes.interval)),
         of_planes.verdict() == Verdict::First,
     ));
-    // The lead of the better TSK over the grid's best projection, with few readings and with many.
+    // Lead of the better TSK over the grid's best projection, for each number of readings.
     let lead = |result: &Results| -> Vec<f64> {
         let (tsk, grid) = (result.best(&PRINTED), result.best(&GRIDS));
         let pair = |(tsk, grid): (&f64, &f64)| (grid - tsk) / grid;
@@ -330,7 +332,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
     claims
 }
 
-/// Error against time of each method, with coarser and finer partitions.
+/// Chart of each method's error against its time, with coarser and finer partitions.
 fn work_chart(training: &[Survey], tuned: &[Tuned]) -> anyhow::Result<Figure> {
     let series = |(method, tuned): (&Method, &Tuned)| {
         let points = work(method, &tuned.setting, training, READINGS[0])?;
@@ -362,7 +364,8 @@ fn work_chart(training: &[Survey], tuned: &[Tuned]) -> anyhow::Result<Figure> {
 /// Colours of the conditions.
 const COLOURS: [&str; 4] = ["#222222", "#1f77b4", "#d95f02", "#1b9e77"];
 
-/// Mean errors with their intervals: a row for each method, a panel for each number of readings.
+/// Chart of the mean errors with their confidence intervals: a row for each method, a panel for each number of
+/// readings.
 fn intervals(results: &[Results]) -> Figure {
     const LEFT: f64 = 250.0;
     const WIDTH: f64 = 330.0;

@@ -1,5 +1,5 @@
-//! Sections 3 and 4: maps of heights from the same sonar readings by an occupancy grid, by TSK systems as printed and by ours, compared
-//! by the protocol of `accuracy::comparison`.
+//! Sections 3 and 4: height maps from the same sonar readings by an occupancy grid, by TSK systems as printed, and by
+//! our TSK system. They are compared by the protocol of `accuracy::comparison`.
 
 use std::collections::HashMap;
 use std::hint::black_box;
@@ -15,15 +15,15 @@ use mapping::tsk::{Activation, Fusion, Order, Partition, Settings, Tsk, activati
 use super::ridge::Equations;
 use super::survey::{HEIGHT, SIDE, SonarReading, Survey};
 
-/// Numbers of readings of a terrain: many and few.
+/// Numbers of readings of a terrain.
 pub const READINGS: [usize; 2] = [500, 174];
-/// Rules of the search for parameters, for all methods alike.
+/// Rules of the search for parameters; all methods share them.
 pub const SEARCH: Search = Search { cases: 40, few: 8, budget: 3000, first: 5 };
-/// Number of training terrains on which times are taken.
+/// Number of training terrains on which processor time is measured.
 const TIMED: usize = 3;
-/// Least time that is taken, s: the account of a thread advances in steps of some milliseconds.
+/// Minimum measured time, s: the kernel's clock of a thread's processor time advances in steps of some milliseconds.
 const MIN_DURATION_S: f64 = 0.1;
-/// Factors on the number of cells along a side, at which error and time are shown.
+/// Factors on the number of cells along a side. The chart shows error and time at each factor.
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
 
 /// Projection of the grid's boxes to heights.
@@ -37,25 +37,27 @@ pub enum Projection {
     Mean,
 }
 
-/// A way to a map. All have the parameters cut (least membership that counts) and cells, behind their own.
+/// A mapping method. Every method has the parameters cut (the minimum membership that counts) and cells; they follow
+/// its own parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Occupancy grid of cubes. Parameter: band.
     Grid(Projection),
-    /// TSK, Eq. 3. Parameter: ridge.
+    /// TSK by Eq. 3. Parameter: ridge.
     Printed(Order),
-    /// TSK, Eq. 3, with the ridge of maximum evidence.
+    /// TSK by Eq. 3, with the ridge of maximum evidence.
     Evidence(Order),
-    /// TSK with an equation for each cell, our choice. Parameters: weight of equations that raise, error of a reading.
+    /// TSK with an equation for each cell (our choice). Parameters: weight of equations that raise a height, error of a
+    /// reading.
     Cells(Order),
 }
 
-/// Part of a terrain that is mapped.
+/// The part of a terrain that is mapped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// All of it.
+    /// The whole terrain.
     Whole,
-    /// The square with half the side at the start: enough to choose parameters, at a quarter of the cost.
+    /// The square at the start with half the side. It suffices to choose parameters, at a quarter of the cost.
     Quarter,
 }
 
@@ -69,7 +71,7 @@ impl Part {
     }
 }
 
-/// A method of fusing readings.
+/// A method that fuses readings.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     /// Name in tables.
@@ -89,16 +91,17 @@ pub const METHODS: [Method; 9] = [
     Method { name: "our cells, constants", kind: Kind::Cells(Order::Zero) },
     Method { name: "our cells, planes", kind: Kind::Cells(Order::One) },
 ];
-/// Groups of the list that a thread computes together.
+/// Groups of methods; one thread computes each group.
 pub const GROUPS: [std::ops::Range<usize>; 4] = [0..3, 3..5, 5..7, 7..9];
-/// Places of the methods in the list.
+/// Indices of the occupancy grids in [`METHODS`].
 pub const GRIDS: [usize; 3] = [0, 1, 2];
-/// TSK as printed with a tuned ridge: constants, planes.
+/// Indices of TSK as printed with a tuned ridge, with constants and with planes.
 pub const PRINTED: [usize; 2] = [3, 4];
-/// Our cells: constants, planes.
+/// Indices of our TSK system, with constants and with planes.
 pub const OURS: [usize; 2] = [7, 8];
 
-/// A step doubles the number of cells, and multiplies that of boxes by 2.8: it has to bring more than the others.
+/// A step doubles the number of cells and multiplies the number of boxes by 2.8, so it must gain more than a step of
+/// another parameter.
 const CELLS: Parameter =
     Parameter { name: "cells", start: 20.0, ratio: std::f64::consts::SQRT_2, most: f64::INFINITY, gain: 0.05 };
 const CUT: Parameter = Parameter { name: "cut", start: 0.05, ratio: 2.0, most: 1.0, gain: 0.01 };
@@ -108,7 +111,7 @@ const ABOVE: Parameter = Parameter { name: "raise", start: 0.1, ratio: 2.0, most
 const SIGMA: Parameter = Parameter { name: "sigma, m", start: 0.1, ratio: 2.0, most: f64::INFINITY, gain: 0.01 };
 
 impl Method {
-    /// Its free parameters.
+    /// The free parameters of the method.
     pub fn parameters(&self) -> &'static [Parameter] {
         match self.kind {
             Kind::Grid(_) => &[BAND, CUT, CELLS],
@@ -118,7 +121,8 @@ impl Method {
         }
     }
 
-    /// The map of readings with a setting of the parameters; `None` if rounding leaves none.
+    /// The map that the method makes of readings with a setting of its parameters; `None` if rounding leaves no
+    /// solution.
     pub fn map(&self, setting: &[f64], readings: &[SonarReading], part: Part) -> Option<Surface> {
         let [own @ .., least, cells] = setting else { return None };
         let count = cells.round().max(1.0) as usize;
@@ -157,16 +161,17 @@ impl Method {
         }
     }
 
-    /// Error of its map of a part of a survey, m. Without a map, as where the evidence has no maximum value, the ground counts as unmeasured.
+    /// Error of the method's map of a part of a survey, m. If there is no map (for example because the evidence has no
+    /// maximum), the ground counts as unmeasured.
     ///
     /// # Errors
-    /// Too few readings.
+    /// If there are too few readings.
     pub fn error(&self, setting: &[f64], survey: &Survey, readings: usize, part: Part) -> anyhow::Result<f64> {
         let map = self.map(setting, &survey.readings(readings)?, part);
         Ok(survey.rms(part.side(), |x, y| map.as_ref().map_or(0.0, |map| map.height(x, y))))
     }
 
-    /// Errors of a quarter by each projection of a grid; NaN without a map.
+    /// Errors of a quarter by each projection of a grid, m; NaN without a map.
     fn projected(&self, setting: &[f64], survey: &Survey, readings: usize) -> [f64; 3] {
         let selection = survey.readings(readings).unwrap_or_default();
         let surface = if selection.is_empty() { None } else { self.map(setting, &selection, Part::Quarter) };
@@ -180,7 +185,7 @@ impl Method {
         })
     }
 
-    /// A setting in words.
+    /// The setting as text.
     pub fn words(&self, setting: &[f64]) -> String {
         let cells = setting.last().map_or(0.0, |cells| cells.round());
         let word = |(parameter, value): (&Parameter, &f64)| match parameter.name.split_once(", ") {
@@ -199,11 +204,12 @@ fn significant(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Eq. 3: for each reading one equation, the average of the outputs of the rules that it activates at the point (x_k, y_k, z_k), weighted by
-/// the activations, and the height of this point.
+/// Eq. 3 gives one equation for each reading. A reading activates rules at the point (x_k, y_k, z_k). The average of
+/// their outputs, weighted by the activations, equals the height of this point.
 ///
-/// The point is the one with the membership 1, the reading's distance ahead of the sonar. The sum is divided by that of the weights: the
-/// text says average, the print omits it. Planes are relative to the middle of their cell, in m, so that a ridge means the same everywhere.
+/// The point has the membership 1: it lies ahead of the sonar at the reading's distance. The sum is divided by the sum
+/// of the weights, since the text says average; the printed equation omits the division. Planes are relative to the
+/// middle of their cell, in m, so the ridge has the same meaning everywhere.
 fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: &[SonarReading]) -> Equations<N> {
     let mut equations = Equations::default();
     for (sonar, distance) in readings {
@@ -227,7 +233,7 @@ fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: 
 /// Ridge of Eq. 3.
 enum Ridge {
     Given(f64),
-    /// That of the maximum evidence.
+    /// The ridge of maximum evidence.
     Likeliest,
 }
 
@@ -251,7 +257,7 @@ pub enum Surface {
         partition: Partition,
         /// Output function.
         order: Order,
-        /// Parameters of the rules, those of a slot side by side.
+        /// Parameters of the rules; those of one slot are adjacent.
         parameters: Vec<f64>,
     },
     /// Surface by recursive least squares.
@@ -259,7 +265,8 @@ pub enum Surface {
 }
 
 impl Surface {
-    /// Height at (x, y), m. All methods take unmeasured places as ground at 0, and know that the ground lies between 0 and the sonars.
+    /// Height at (x, y), m. All methods take unmeasured places as ground at 0 and limit heights to the range from 0 to
+    /// the sonars.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         let height = match self {
             Self::Grid(grid, Projection::Highest) => grid.height(x, y),
@@ -282,16 +289,17 @@ impl Surface {
     }
 }
 
-/// Errors of the three projections of a grid, by setting (its bits) and training terrain: methods that share a map share its computation.
+/// Errors of the three projections of a grid, by setting (its bits) and training terrain. Methods that use the same map
+/// share its computation.
 pub type Known = HashMap<(Vec<u64>, usize), [f64; 3]>;
 
-/// Searches the parameters of a method on the training terrains.
+/// Searches the optimal parameters of a method on the training terrains.
 ///
 /// # Errors
-/// A search that does not enclose the optimum; too few readings.
+/// If a search does not enclose the optimum, or there are too few readings.
 pub fn tuned(method: &Method, training: &[Survey], readings: usize, known: &mut Known) -> anyhow::Result<Tuned> {
     let search = Search { cases: training.len(), few: SEARCH.few.min(training.len()), ..SEARCH };
-    // Too few readings are detected in the first case: all searches begin with it.
+    // Every search begins with the first case, which detects too few readings.
     let error = |setting: &[f64], case: usize| {
         let survey = &training[case];
         let Kind::Grid(projection) = method.kind else {
@@ -306,15 +314,16 @@ pub fn tuned(method: &Method, training: &[Survey], readings: usize, known: &mut 
 /// Errors of a method on terrains, m.
 ///
 /// # Errors
-/// Too few readings.
+/// If there are too few readings.
 pub fn errors(method: &Method, setting: &[f64], surveys: &[Survey], readings: usize) -> anyhow::Result<Vec<f64>> {
     surveys.iter().map(|survey| method.error(setting, survey, readings, Part::Whole)).collect()
 }
 
-/// Processor time of a reading in seconds and mean error in m of a method, with partitions coarser and finer than its best one, on training terrains.
+/// Processor time per reading (s) and mean error (m) of a method on training terrains, with partitions coarser and
+/// finer than its best one.
 ///
 /// # Errors
-/// Too few readings.
+/// If there are too few readings.
 pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usize) -> anyhow::Result<Vec<(f64, f64)>> {
     let training = &training[..training.len().min(TIMED)];
     let point = |fineness: &f64| {
@@ -331,15 +340,15 @@ pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usi
             }
             Ok(taken_s / maps / readings as f64)
         };
-        // The shortest of all terrains: other programs on the machine only lengthen it.
+        // The minimum over all terrains: other programs on the machine only lengthen a time.
         let times = training.iter().map(time).collect::<anyhow::Result<Vec<f64>>>()?;
         Ok((times.into_iter().fold(f64::INFINITY, f64::min), error))
     };
     FINENESS.iter().map(point).collect()
 }
 
-/// Time that this thread has had a processor, s, by Linux's account, which leaves out the time of other programs; elsewhere that of the
-/// clock. From an arbitrary start.
+/// Processor time of this thread, s, from an arbitrary start. Linux does not count the time of other programs;
+/// elsewhere this is wall-clock time.
 fn processor_time() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     let account = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
@@ -353,7 +362,7 @@ pub fn centimetres(interval: &Interval) -> String {
     format!("{:.1} ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
 }
 
-/// A difference in words: which is closer, by the rule of decision.
+/// A difference in words: which method is closer, by the decision rule.
 pub fn closer(difference: &Difference) -> &'static str {
     match difference.verdict() {
         Verdict::First => "first",

@@ -11,7 +11,7 @@ use sim_core::scene::{Boulders, Disc, HeightField, RandomTerrain};
 pub struct Terrain(pub RandomTerrain);
 
 impl Terrain {
-    /// The boulders of `seed` on a square of `side` m.
+    /// A terrain with the boulders of `seed` on a square of `side` m.
     pub fn new(seed: u64, side: f64, relief: f64, boulders: Boulders, clear: Vec<Disc>) -> Self {
         let size = DVec2::splat(side);
         let boulders = Some(boulders);
@@ -27,7 +27,7 @@ impl Terrain {
         Ok(self.0.field().context("the terrain")?.0)
     }
 
-    /// Table `[world]` of a scene with the terrain. Soil scatters sound as rough surfaces do.
+    /// Table `[world]` of a scene with the terrain. The soil scatters sound like a rough surface.
     pub fn world(&self) -> String {
         let RandomTerrain { seed, size, cell, relief_height, hill_length, boulders, clear, .. } = &self.0;
         let mm = |metres: f64| metres * 1e3;

@@ -10,20 +10,20 @@ use mapping::pose::Point;
 
 use crate::page::{Picture, escaped};
 
-/// Colours from the lowest to the highest place, red, green, blue: dark blue over green to yellow; brightness grows with height (our
-/// choice, after viridis by Smith and van der Walt).
+/// Colours from the lowest to the highest place (red, green, blue): dark blue through green to yellow. Brightness grows
+/// with height (our choice, after viridis by Smith and van der Walt).
 const COLOURS: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
 /// Colour of unknown places.
 const NOTHING: [u8; 3] = [200, 200, 200];
-/// Room around a panel for its title and its axes, in pixels.
+/// Margin around a panel for its title and its axes, in pixels.
 const ROOM: f64 = 34.0;
 
 /// One map.
 pub struct Panel<'a> {
     pub title: String,
     pub height: Box<dyn Fn(f64, f64) -> Option<f64> + 'a>,
-    /// Paths over it, each with its colour, m.
+    /// Paths over the map, each with its colour, m.
     pub paths: Vec<(&'a str, Vec<(f64, f64)>)>,
 }
 
@@ -82,7 +82,7 @@ fn draw(
          <rect x=\"{left}\" y=\"{top}\" width=\"{size}\" height=\"{size}\" fill=\"none\" stroke=\"#444\"/>",
         top - 5.0
     );
-    // Fifths of 10 and of 40 m are whole numbers.
+    // One fifth of the side (10 m or 40 m) is a whole number of metres.
     for part in 0..=5 {
         let fraction = part as f64 / 5.0;
         let (value, x, y) = (fraction * side, left + fraction * size, top + (1.0 - fraction) * size);

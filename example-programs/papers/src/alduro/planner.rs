@@ -1,5 +1,5 @@
-//! Section 5: which of the planner's equations matter. The same walks with the path of A* alone, with the corrections by Eq. 4, by Eq. 5,
-//! and by both.
+//! Section 5: the effect of the planner's equations. The same walks follow the path of A* alone, with the corrections
+//! by Eq. 4, by Eq. 5, and by both.
 
 use accuracy::comparison::{Difference, Interval, Verdict};
 use eyesim::suite::summary::Rate;
@@ -8,7 +8,7 @@ use super::walk::{ROUGH, Route, Walk, routes, walk};
 use crate::page::{Basis, Claim, Page, Table, Weight};
 use crate::run::Job;
 
-/// First seed of the terrains for the seed 1; those of another seed are farther by a multiple of [`APART`].
+/// First seed of the terrains for the seed 1; another seed moves it up by a multiple of [`APART`].
 const FIRST: u64 = 228_000;
 const APART: u64 = 100_000;
 /// Noise profiles.
@@ -16,8 +16,9 @@ const NOISES: [&str; 3] = ["none", "real", "harsh"];
 /// Planners: name in tables, argument of the program.
 const PLANNERS: [(&str, &str); 4] =
     [("A* alone", "none"), ("A* and Eq. 4", "eq4"), ("A* and Eq. 5", "eq5"), ("A*, Eq. 4 and 5", "both")];
-/// Places in the list.
+/// Index of A* alone in [`PLANNERS`].
 const ALONE: usize = 0;
+/// Index of A* with both equations in [`PLANNERS`].
 const BOTH: usize = 3;
 
 /// Walks of a planner with a noise profile, terrain by terrain.
@@ -28,7 +29,7 @@ struct Walks {
 }
 
 impl Walks {
-    /// 0 for each walk that has arrived without a touch, 1 for others, terrain by terrain.
+    /// For each terrain: 0 if the walk arrived without a contact, otherwise 1.
     fn failures(&self) -> Vec<f64> {
         self.each(|walk| f64::from(u8::from(!(walk.has_arrived() && walk.is_untouched()))))
     }
@@ -46,17 +47,17 @@ impl Walks {
         format!("{} ({:.0} to {:.0} %)", rate.passed, 100.0 * rate.low, 100.0 * rate.high)
     }
 
-    /// Lengths of the paths that arrive against the shortest.
+    /// Ratio of each arriving walk's path length to the shortest path.
     fn ratios(&self, routes: &[Route]) -> Vec<f64> {
         let arrived = routes.iter().zip(&self.walks).filter(|(_, walk)| walk.has_arrived());
         arrived.map(|(route, walk)| walk.length / route.length).collect()
     }
 }
 
-/// Makes the page, over so many terrains.
+/// Makes the page, over `terrains` terrains.
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     let first = FIRST + job.seed().wrapping_sub(1).wrapping_mul(APART);
     let (routes, without) = routes(first, terrains, 0.2, ROUGH)?;

@@ -1,28 +1,30 @@
-//! Linear equations with more unknowns than equations: ridge regression, with a given ridge or one chosen by evidence.
+//! Linear equations with more unknowns than equations: ridge regression, with a given ridge or with the ridge of
+//! maximum evidence.
 //!
-//! Recursive least squares without forgetting has the same solution (`mapping::rls`); all equations at once cost n^3 operations for n
-//! equations, whatever the number of unknowns.
+//! Recursive least squares without forgetting has the same solution (`mapping::rls`). Here all n equations together
+//! cost n^3 operations, whatever the number of unknowns.
 
 use mapping::math;
 use nalgebra::linalg::SymmetricTridiagonal;
 use nalgebra::{DMatrix, DVector};
 
-/// Equations for the parameters of rules, `N` for each rule: each equation is the sum of factor times parameter over its terms, and its
-/// value.
+/// Equations for the parameters of rules, `N` for each rule. Each equation says: the sum of factor times parameter over
+/// its terms is its value.
 #[derive(Clone, Debug, Default)]
 pub struct Equations<const N: usize> {
-    /// Terms of each equation: index of a rule, at most once in each, and the factors of its parameters.
+    /// Terms of each equation: the index of a rule, at most once per equation, and the factors of the rule's
+    /// parameters.
     pub terms: Vec<Vec<(usize, [f64; N])>>,
     /// Value of each equation.
     pub values: Vec<f64>,
 }
 
-/// Ridges among which the evidence chooses, as powers of two.
+/// Exponents of the powers of two among which the evidence chooses the ridge.
 const RIDGES: std::ops::RangeInclusive<i32> = -40..=40;
 
 impl<const N: usize> Equations<N> {
-    /// The parameters of all rules, side by side, that minimise the sum of the squared errors plus `ridge` times the sum of the squared
-    /// parameters; `None` if rounding leaves no solution.
+    /// Parameters of all rules, rule by rule. They minimise the sum of the squared errors plus `ridge` times the sum of
+    /// the squared parameters. `None` if rounding leaves no solution.
     pub fn solve(&self, rules: usize, ridge: f64) -> Option<Vec<f64>> {
         let mut gram = self.gram(rules);
         for index in 0..gram.nrows() {
@@ -38,8 +40,9 @@ impl<const N: usize> Equations<N> {
         Some(solution.into_flattened())
     }
 
-    /// The ridge under which the values are most probable, if unknowns and errors are independent normal numbers with mean 0 and the
-    /// ridge is the ratio of the errors' variance to that of the unknowns. `None` if no ridge between 2^-40 and 2^40 is the best.
+    /// The ridge under which the values are most probable. Unknowns and errors are independent normal numbers with mean
+    /// 0, and the ridge is the ratio of the errors' variance to the unknowns' variance. `None` if no ridge between
+    /// 2^-40 and 2^40 is the best.
     ///
     /// Source: the evidence of MacKay 1992, *Bayesian interpolation*, with the scale at its most probable value.
     pub fn likeliest_ridge(&self, rules: usize) -> Option<f64> {
@@ -66,9 +69,9 @@ impl<const N: usize> Equations<N> {
         (power > *RIDGES.start() && power < *RIDGES.end()).then(|| 2.0_f64.powi(power))
     }
 
-    /// Products of the equations with each other.
+    /// Gram matrix: the scalar products of the equations with each other.
     fn gram(&self, rules: usize) -> DMatrix<f64> {
-        // The terms by rule: those of a rule lie from its start to that of the next.
+        // Terms sorted by rule: those of a rule lie from its start to the next rule's start.
         let mut starts = vec![0_usize; rules + 1];
         self.terms.iter().flatten().for_each(|(rule, _)| starts[rule + 1] += 1);
         (0..rules).for_each(|rule| starts[rule + 1] += starts[rule]);
@@ -85,7 +88,7 @@ impl<const N: usize> Equations<N> {
         for rule in 0..rules {
             let own = &by_rule[starts[rule]..starts[rule + 1]];
             for (index, (i, first)) in own.iter().enumerate() {
-                // Equations come in order, so only one triangle is filled.
+                // The terms of a rule are in the order of the equations, so only one triangle is filled.
                 let mut column = gram.column_mut(*i);
                 for (j, second) in &own[index..] {
                     column[*j] += first.iter().zip(second).map(|(a, b)| a * b).sum::<f64>();
@@ -103,7 +106,7 @@ mod tests {
 
     use super::*;
 
-    /// Numbers in [-1, 1), always the same.
+    /// Pseudo-random numbers in [-1, 1), always the same sequence.
     fn numbers() -> impl FnMut() -> f64 {
         let mut state = 1_u64;
         move || {
@@ -139,7 +142,7 @@ mod tests {
         }
     }
 
-    /// Three parameters a rule are three unknowns.
+    /// Each rule has three parameters, so three unknowns.
     #[test]
     fn rules_with_several_parameters_have_the_same_solution() {
         let alone = equations(20, 30, 0.1);
@@ -158,7 +161,7 @@ mod tests {
         }
     }
 
-    /// The unknowns have the variance 1/3, the errors `noise`^2 / 3.
+    /// The unknowns have the variance 1/3, the errors the variance `noise`^2 / 3.
     #[test]
     fn evidence_finds_the_ratio_of_the_variances() {
         for noise in [0.1, 1.0] {

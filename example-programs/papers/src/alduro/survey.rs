@@ -1,4 +1,4 @@
-//! Sonar readings of random terrains: a beam of sonars passes over each.
+//! Sonar readings of random terrains: a beam with sonars passes over each terrain.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -19,31 +19,31 @@ use crate::trace::{Event, Trace};
 pub const SIDE: f64 = 10.0;
 /// Height of the beam, m.
 pub const HEIGHT: f64 = 2.5;
-/// Places along a side at which heights are compared.
+/// Number of places along a side at which heights are compared.
 const PLACES: usize = 100;
-/// Sonars on the beam across the terrain; the sensors of one bus.
+/// Number of sonars on the beam across the terrain: as many as one bus takes.
 const SONARS: usize = 16;
 /// Forward tilt of every second sonar, degrees from straight down.
 const TILT_DEG: f64 = 25.0;
-/// Errors of the robot's odometry in [`Condition::Odometry`]: share by which distances are too long, and drift of the heading, degrees
-/// for each metre, to the left on every second terrain and to the right on the others.
+/// Errors of the robot's odometry in [`Condition::Odometry`]: the fraction by which distances are too long, and the
+/// drift of the heading in degrees per metre, to the left on every second terrain and to the right on the others.
 const ODOMETRY: (f64, f64) = (0.02, 0.5);
 
-/// What is true of sonars and poses. The maps always assume what holds in the first.
+/// Properties of sonars and poses in a survey. The maps always assume those of the first condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
-    /// The beam of the inverse model, the noise that `real` has for sonars without its outliers, and true poses.
+    /// The beam of the inverse model, the noise of sonars in the profile `real` without outliers, and true poses.
     AsAssumed,
     /// Sonars with a narrower beam: 20 degrees from the line of sight to its points of -6 dB instead of 27.5.
     Beam,
-    /// The noise that `harsh` has for sonars: three times the errors, a bias, outliers and lost echoes.
+    /// The noise of sonars in the profile `harsh`: three times the errors, a bias, outliers and lost echoes.
     Noise,
-    /// Poses from an odometry with systematic errors.
+    /// Poses from odometry with systematic errors.
     Odometry,
 }
 
 impl Condition {
-    /// All of them.
+    /// All conditions.
     pub const ALL: [Self; 4] = [Self::AsAssumed, Self::Beam, Self::Noise, Self::Odometry];
 
     /// Name in tables.
@@ -72,16 +72,16 @@ impl Condition {
     }
 }
 
-/// A reading with the pose of its sonar as the robot knows it.
+/// A reading, with the sonar's pose as the robot estimates it.
 pub type SonarReading = (SonarPose, f64);
 
-/// A terrain and its readings in the order of time.
+/// A terrain and its readings in the order of their times.
 pub struct Survey {
     /// Seed of the terrain and of the noise.
     pub seed: u64,
     /// The terrain.
     pub field: HeightField,
-    /// Its heights at the compared places.
+    /// Terrain heights at the compared places, m.
     heights: Vec<f64>,
     readings: Vec<SonarReading>,
 }
@@ -90,14 +90,14 @@ impl Survey {
     /// `count` of the readings, at equal intervals.
     ///
     /// # Errors
-    /// If there are fewer.
+    /// If there are fewer readings.
     pub fn readings(&self, count: usize) -> anyhow::Result<Vec<SonarReading>> {
         let all = self.readings.len();
         ensure!(all >= count, "terrain {} has {all} echoes, {count} are wanted", self.seed);
         Ok((0..count).map(|index| self.readings[index * all / count]).collect())
     }
 
-    /// Root mean square error of a map of heights, m, in the square from (0, 0) with this side.
+    /// Root mean square error of a height map, m, in the square from (0, 0) with this side.
     pub fn rms(&self, side: f64, height: impl Fn(f64, f64) -> f64) -> f64 {
         let compared = places().zip(&self.heights).filter(|((x, y), _)| *x < side && *y < side);
         let square = |((x, y), truth): ((f64, f64), &f64)| (height(x, y) - truth).powi(2);
@@ -112,11 +112,12 @@ fn places() -> impl Iterator<Item = (f64, f64)> {
     (0..PLACES * PLACES).map(move |index| (coordinate(index % PLACES), coordinate(index / PLACES)))
 }
 
-/// Runs the surveys of the terrains with these seeds. Beside their traces the true heights at the compared places are kept, in m, a row
-/// of places along x on each line, so that others may compute errors of maps without this program.
+/// Runs the surveys of the terrains with these seeds. It also writes the true heights at the compared places beside the
+/// traces, in m, with a row of places along x on each line, so that others can compute errors of maps without this
+/// program.
 ///
 /// # Errors
-/// A scene that does not run to its end; a file that cannot be written.
+/// If a scene does not run to its end, or a file cannot be written.
 pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition) -> anyhow::Result<Vec<Survey>> {
     let seeds: Vec<u64> = seeds.collect();
     let terrain = |seed: u64| {
@@ -145,7 +146,8 @@ pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition
     seeds.into_iter().zip(echoes).map(survey).collect()
 }
 
-/// The pose of a sonar by an odometry with systematic errors: the robot drives straight ahead and believes to drive an arc.
+/// The pose of a sonar according to odometry with systematic errors: the robot drives straight, and its odometry
+/// follows an arc.
 fn by_odometry(sonar: &SonarPose, seed: u64) -> SonarPose {
     let (scale, drift_deg) = ODOMETRY;
     let side = if seed.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -164,7 +166,7 @@ fn by_odometry(sonar: &SonarPose, seed: u64) -> SonarPose {
     SonarPose { origin, axis }
 }
 
-/// Mounting of sonar `index` on the beam, in the frame of the robot: y, and the pitch in degrees.
+/// Mounting of sonar `index` on the beam, in the robot's frame: y in m, and the pitch in degrees.
 fn mount(index: usize) -> (f64, f64) {
     let y = ((index as f64 + 0.5) / SONARS as f64 - 0.5) * SIDE;
     (y, if index.is_multiple_of(2) { -90.0 } else { -90.0 + TILT_DEG })
@@ -196,7 +198,7 @@ fn scene(terrain: &Terrain, condition: Condition) -> String {
     text
 }
 
-/// The echoes of a run in the order of time, each with the true pose of its sonar.
+/// The echoes of a run in the order of their times, each with the true pose of its sonar.
 fn echoes(trace: &Trace) -> anyhow::Result<Vec<SonarReading>> {
     let poses: Vec<(f64, f64, f64)> = trace
         .of_robot(1)

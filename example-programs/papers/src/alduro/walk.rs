@@ -17,25 +17,27 @@ use crate::run::{Job, Run, Scene};
 use crate::trace::{Event, Trace};
 use sim_host::launch::Options;
 
-/// The map's unit, m: the paper gives none. The robot's feet stand 1.8 m x 1.4 m apart, and its map has ten units.
+/// The map's unit, m (our choice: the paper gives none). The robot's feet stand 1.8 m x 1.4 m apart, and the map has
+/// ten units.
 const UNIT: f64 = 4.0;
 /// Start and goal in units.
 const START: DVec2 = DVec2::new(1.0, 5.0);
 const GOAL: DVec2 = DVec2::new(9.0, 1.0);
 /// Side of the terrain in units.
 const SIDE: f64 = 10.0;
-/// One in this many walks may fail.
+/// One walk in this many may fail.
 const MAY_FAIL: usize = 20;
 /// Height above which the ground is an obstacle to A*, m.
 const OBSTACLE: f64 = 0.5;
 /// Clearance around the middle of the robot that a path needs, m.
 const CLEARANCE: f64 = 2.0;
-/// Distance of the robot's true position from the goal at which it has arrived, m.
+/// Maximum distance of the robot's true position from the goal that counts as arrival, m.
 const ARRIVED: f64 = 1.0;
 /// Height of the fence around the terrain, m.
 const FENCE: f64 = 1.0;
-/// First seed of the terrains, and its growth with the seed that the user chose.
+/// Seed of the first terrain if the user's seed is 0.
 const FIRST: u64 = 500;
+/// Increment of that seed for each increment of the user's seed.
 const APART: u64 = 1000;
 /// Boulders of the rough terrains.
 pub const ROUGH: Boulders = Boulders { count: 40, radius: [0.5, 2.0], height: [0.1, 1.6] };
@@ -44,14 +46,15 @@ const CELL: f64 = 0.2;
 /// Time limit of a walk, s.
 const UNTIL_S: u32 = 600;
 
-/// A terrain with a path that keeps the clearance.
+/// A terrain with a path of sufficient clearance.
 pub struct Route {
     /// Seed of terrain and noise.
     pub seed: u64,
     terrain: Terrain,
     field: HeightField,
-    /// The shortest path, and its length, m.
+    /// The shortest path, m.
     path: Vec<(f64, f64)>,
+    /// Length of the shortest path, m.
     pub length: f64,
 }
 
@@ -69,12 +72,12 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// Returns true if it ended near the goal.
+    /// Returns true if the walk ended near the goal.
     pub fn has_arrived(&self) -> bool {
         self.left <= ARRIVED
     }
 
-    /// Returns true without a contact.
+    /// Returns true if nothing was touched.
     pub fn is_untouched(&self) -> bool {
         self.touches == 0
     }
@@ -83,7 +86,7 @@ impl Walk {
 /// Adds the walks to the page.
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     let (routes, without) = routes(FIRST + APART * job.seed(), terrains, 0.2, ROUGH)?;
     let walks = walk(job, &routes, "alduro", "both", "real")?;
@@ -119,7 +122,7 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     add_wheels(job, page)
 }
 
-/// Rear feet on wheels, on a terrain without anything to step over.
+/// Adds walks with rear feet on wheels, on a terrain without obstacles that the robot must step over.
 fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
     let smooth = Boulders { count: 25, radius: [0.7, 2.0], height: [1.0, 1.6] };
     let (routes, _) = routes(FIRST + APART * job.seed(), 1, 0.1, smooth)?;
@@ -141,7 +144,7 @@ fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The first terrains with a path, of the seeds from `first` on, and the number of terrains without one.
+/// Routes on the first terrains from the seed `first` on that have a path, and the number of terrains without one.
 pub fn routes(first: u64, terrains: usize, relief: f64, boulders: Boulders) -> anyhow::Result<(Vec<Route>, usize)> {
     let (mut routes, mut without) = (Vec::new(), 0);
     for seed in first.. {
@@ -179,7 +182,7 @@ fn shortest(field: &HeightField) -> Option<(Vec<(f64, f64)>, f64)> {
     Some((path.cells.iter().map(middle).collect(), path.cost))
 }
 
-/// The text of a scene in which a robot of type `robi` walks over a terrain, its steps corrected by `equations`.
+/// Text of a scene in which a robot of type `robi` walks over a terrain. `equations` correct its steps.
 fn scene(terrain: &Terrain, robi: &str, equations: &str) -> String {
     let (start, goal) = (START * UNIT, GOAL * UNIT);
     let heading = mapping::math::atan2(goal.y - start.y, goal.x - start.x).to_degrees();
@@ -198,7 +201,7 @@ fn scene(terrain: &Terrain, robi: &str, equations: &str) -> String {
     text
 }
 
-/// Walls around the terrain: nothing beyond it would reflect sound.
+/// Walls around the terrain, which reflect sound; beyond the terrain there would be no echo.
 fn fence() -> String {
     let side = SIDE * UNIT * 1e3;
     let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
@@ -209,10 +212,11 @@ fn fence() -> String {
     (0..corners.len()).map(wall).collect()
 }
 
-/// Walks of a robot of type `robi` over terrains, its steps corrected by `equations` (`both`, `eq4`, `eq5` or `none`), with a noise profile.
+/// Walks of a robot of type `robi` over terrains, with a noise profile. `equations` (`both`, `eq4`, `eq5` or `none`)
+/// correct its steps.
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn walk(job: &Job, routes: &[Route], robi: &str, equations: &str, noise: &str) -> anyhow::Result<Vec<Walk>> {
     let run = |(index, route): (usize, &Route)| Run {
         name: format!("{robi}-{equations}-{noise}-{index:02}"),

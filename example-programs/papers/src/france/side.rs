@@ -8,7 +8,7 @@ use super::walk::{Kind, MountPoint, Thing, Truth, Walk};
 
 /// Pixels per metre.
 const SCALE: f64 = 190.0;
-/// Metres around what is drawn.
+/// Margin around the drawing, m.
 const MARGIN: f64 = 0.12;
 const NEAR_LEG: &str = "#0072b2";
 const FAR_LEG: &str = "#999999";
@@ -63,8 +63,8 @@ impl Canvas {
     }
 }
 
-/// Draws the robot's legs at intervals of `every` seconds of a walk, over the floor and the obstacle, and the ray of each reading with a
-/// hit within the sensor's range.
+/// Draws the robot's legs at intervals of `every` seconds of a walk, above the floor and the obstacle. It also draws
+/// the ray of each reading that hits something within the sensor's range.
 pub fn walk(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind, every: f64, title: &str) -> String {
     let end = truth.obstacle_at + truth.obstacle_size.x;
     let mut canvas = Canvas::new(-0.6, end + 0.3, 1.05, title);
@@ -88,7 +88,7 @@ pub fn walk(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind, every: f6
     canvas.finish()
 }
 
-/// The standing robot, with the places of its sensors.
+/// Draws the standing robot with its sensors.
 pub fn model(truth: &Truth, walk: &Walk) -> String {
     let mut canvas = Canvas::new(-1.0, 1.0, 1.05, "Places of the sensors, and where they look");
     canvas.path(&[DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)], "#333333", 1.5);
@@ -104,18 +104,18 @@ pub fn model(truth: &Truth, walk: &Walk) -> String {
     canvas.finish()
 }
 
-/// Floor and obstacle.
+/// Draws the floor and the obstacle.
 fn ground(canvas: &mut Canvas, truth: &Truth, left: f64, right: f64) {
     canvas.path(&profile(truth, left, right).map(|(x, y)| DVec2::new(x, y)), "#333333", 1.5);
 }
 
-/// The true profile under the walk: corners of floor and obstacle from `left` to `right`, m.
+/// The true profile under the walk: corners of floor and obstacle between `left` and `right`, m.
 pub fn profile(truth: &Truth, left: f64, right: f64) -> [(f64, f64); 6] {
     let (front, back, top) = (truth.obstacle_at, truth.obstacle_at + truth.obstacle_size.x, truth.obstacle_size.z);
     [(left, 0.0), (front, 0.0), (front, top), (back, top), (back, 0.0), (right, 0.0)]
 }
 
-/// Legs and hip at an instant.
+/// Draws the legs and the hip at an instant.
 fn figure(canvas: &mut Canvas, truth: &Truth, walk: &Walk, at: f64) {
     let moment = walk.at_time(at);
     // The right leg, which bears the sensor, is drawn over the left one.

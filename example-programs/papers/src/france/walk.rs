@@ -18,11 +18,11 @@ use sim_host::files::{DiskFiles, slashed};
 use crate::run::root;
 use crate::trace::{Event, Trace};
 
-/// The scene, in the checkout.
+/// The scene's file in the checkout.
 pub const SCENE: &str = "sims/walker.scene.toml";
 /// The robot's number.
 const ROBOT: u32 = 1;
-/// Range of the rays that find the truth, m: across the room.
+/// Range of the rays that determine the truth, m: across the room.
 const FAR: f64 = 20.0;
 
 /// Mount point of the sensor on the robot.
@@ -39,7 +39,7 @@ pub enum MountPoint {
 /// Type of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The distance along the ray, up to 2 m, without noise and at any incidence.
+    /// Ideal sensor: the distance along the ray, up to 2 m, without noise and at any incidence angle.
     Ideal,
     /// The laser range finder of section 5.
     Laser,
@@ -50,7 +50,7 @@ pub enum Kind {
 }
 
 impl MountPoint {
-    /// All places.
+    /// All mount points.
     pub const ALL: [Self; 3] = [Self::Tibia, Self::Thigh, Self::Body];
 
     /// Name in the program's arguments.
@@ -77,7 +77,7 @@ impl Kind {
         }
     }
 
-    /// Reading without a detection, m.
+    /// Reading if nothing is detected, m.
     pub fn max(self) -> f64 {
         match self {
             Self::Ideal | Self::Laser => 2.0,
@@ -86,7 +86,7 @@ impl Kind {
     }
 }
 
-/// A reading, as the program printed it.
+/// A reading of the sensor, as the program printed it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Time of the measurement, s.
@@ -95,14 +95,14 @@ pub struct Sample {
     pub distance: f64,
     /// Point that the program computed from the reading, ahead of the start and above the floor, m.
     pub point: Option<DVec2>,
-    /// True hit of the sensor's ray at that time.
+    /// True hit of the sensor's ray at the time of the measurement.
     pub truth: Met,
 }
 
-/// Hit of a ray.
+/// True hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met {
-    /// Distance, m; infinite without a hit.
+    /// Distance, m; infinite if nothing is hit.
     pub distance: f64,
     /// Incidence angle, rad.
     pub incidence: f64,
@@ -121,7 +121,7 @@ pub enum Thing {
     Obstacle,
     /// Walls and furniture.
     Other,
-    /// Nothing within sight.
+    /// Nothing within 20 m.
     Nothing,
 }
 
@@ -130,24 +130,24 @@ pub enum Thing {
 pub struct Moment {
     /// Time, s.
     pub at: f64,
-    /// Pose of its frame on the ground.
+    /// Pose of the robot's frame on the ground.
     pub pose: Pose,
-    /// Height of its frame above the floor, m.
+    /// Height of the robot's frame above the floor, m.
     pub lift: f64,
-    /// Angles of its joints, rad.
+    /// Angles of the robot's joints, rad.
     pub joints: Vec<f64>,
 }
 
 /// A finished walk.
 #[derive(Clone, Debug)]
 pub struct Walk {
-    /// The program's readings, in order.
+    /// The program's readings in the order of their times.
     pub samples: Vec<Sample>,
-    /// Pose and posture of the robot at each end of a slot, in order.
+    /// Pose and posture of the robot at the end of each slot.
     pub moments: Vec<Moment>,
-    /// Times at which the foot of the leg with the sensor came down, s.
+    /// Times of the footfalls of the leg that carries the sensor, s.
     pub footfalls: Vec<f64>,
-    /// Times at which body or legs touched something.
+    /// Times at which the body or a leg touched something, s.
     pub touches: Vec<f64>,
     /// Last message of the program.
     pub verdict: String,
@@ -167,7 +167,7 @@ pub struct Truth {
     start: Pose,
     /// Distance from the start to the obstacle's face, m.
     pub obstacle_at: f64,
-    /// Size of the obstacle along the way, across it, and up, m.
+    /// Size of the obstacle, m: along the walk, across it, and up.
     pub obstacle_size: DVec3,
 }
 
@@ -175,7 +175,7 @@ impl Truth {
     /// Reads the scene.
     ///
     /// # Errors
-    /// A scene that cannot be read, or has no robot or no obstacle.
+    /// If the scene cannot be read, or has no robot or no obstacle.
     pub fn read() -> anyhow::Result<Self> {
         let mut files = DiskFiles::with_home(root());
         let name = files.name(&root().join(SCENE));
@@ -205,7 +205,7 @@ impl Truth {
         })
     }
 
-    /// The sensor of this kind at this place.
+    /// The sensor of this type at this mount point.
     fn sensor(&self, place: MountPoint, kind: Kind) -> &RangeSensor {
         let on = match place {
             MountPoint::Tibia => "SHANK",
@@ -214,7 +214,7 @@ impl Truth {
         };
         let name = format!("{}_{on}", kind.name().to_uppercase());
         let index = self.robi.ranges.iter().position(|range| range.name == name);
-        // PSDs come first.
+        // The list begins with the PSDs.
         &self.sensors[self.robi.psds.len() + index.unwrap_or_else(|| panic!("the robot has a sensor `{name}`"))]
     }
 
@@ -226,7 +226,7 @@ impl Truth {
         posture.world_from(&sensor.mount, sensor.link)
     }
 
-    /// The joints of a leg from the hip down, and its foot, ahead of the start and above the floor, m.
+    /// Positions of a leg's joints from the hip down and of its foot, ahead of the start and above the floor, m.
     pub fn leg(&self, leg: usize, moment: &Moment) -> Vec<DVec2> {
         let each = self.links.len() / 2;
         let first = leg * each;
@@ -249,7 +249,7 @@ impl Truth {
             return Met { distance, incidence: 0.0, point, thing: Thing::Nothing };
         };
         let point = self.ahead(ray.position + direction * hit.distance);
-        // The furniture stands beside the way: within the obstacle's length and height there is only the obstacle.
+        // The furniture stands beside the path: within the obstacle's length and height there is only the obstacle.
         let size = self.obstacle_size;
         let is_obstacle = point.x >= self.obstacle_at - 1e-6
             && point.x <= self.obstacle_at + size.x + 1e-6
@@ -264,7 +264,7 @@ impl Truth {
         Met { distance: hit.distance, incidence, point, thing }
     }
 
-    /// Projects a point of the world onto the upright plane of the walk: ahead of the start, above the floor.
+    /// Projects a world point onto the vertical plane of the walk: ahead of the start, above the floor.
     pub fn ahead(&self, point: DVec3) -> DVec2 {
         DVec2::new(point.x - self.start.position.x, point.z)
     }
@@ -272,7 +272,7 @@ impl Truth {
     /// Reads the trace of a walk.
     ///
     /// # Errors
-    /// A trace without what the program prints, or without postures.
+    /// If the trace lacks the program's lines or the postures.
     pub fn walk(&self, place: MountPoint, kind: Kind, trace: &Trace) -> anyhow::Result<Walk> {
         let moments = moments(trace, self.start);
         ensure!(!moments.is_empty(), "the trace has no postures");
@@ -282,7 +282,7 @@ impl Truth {
             Event::Distance { measured_s, .. } => Some(*measured_s),
             _ => None,
         });
-        // The program reads its sensor once before it walks, to check that the sensor exists.
+        // The first reading is not part of the walk: the program uses it to check that the sensor exists.
         measured.next();
         for (_, line) in trace.printed(ROBOT) {
             let Some((distance, point)) = numbers(line) else {
@@ -313,7 +313,7 @@ impl Truth {
 }
 
 impl Walk {
-    /// Pose and posture at an instant within the walk, interpolated linearly between two slots.
+    /// Pose and posture at an instant of the walk, interpolated linearly between the ends of two slots.
     pub fn at_time(&self, at: f64) -> Moment {
         at_time(&self.moments, at)
     }
@@ -335,7 +335,7 @@ fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
     Some((metres(distance)?, point))
 }
 
-/// Pose and posture at each time at which the trace has one of them, for a robot that begins at `start`.
+/// Pose and posture at each time of the trace with a pose or a posture, for a robot that starts at `start`.
 fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
     let mut moments: Vec<Moment> = Vec::new();
     let (mut pose, mut lift, mut joints) = (start, None, Vec::new());

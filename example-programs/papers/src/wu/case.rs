@@ -1,4 +1,4 @@
-//! Drawings of the modelling cases of Figures 2 to 5: readings as arcs, lines, cells.
+//! Drawings of the modelling cases of Figures 2 to 5: readings as arcs, with lines and cells.
 
 use std::fmt::Write as _;
 
@@ -22,14 +22,15 @@ struct Example {
 
 /// Pixels per metre.
 const METRE: f64 = 180.0;
-/// Size of a panel, in pixels, and the robot's place in it.
+/// Size of a panel, in pixels.
 const PANEL: (f64, f64) = (440.0, 320.0);
+/// Position of the robot in a panel, in pixels.
 const ROBOT: (f64, f64) = (220.0, 290.0);
 
 /// Adds Figures 2 to 5.
 ///
 /// # Errors
-/// A case that is modelled as another one.
+/// If an example is modelled as another case.
 pub fn figures(page: &mut Page) -> anyhow::Result<()> {
     page.text(
         "Sectors C (right), D (ahead) and E (left) of 30 degrees each: their readings as arcs, the lines that are modelled within D in \
@@ -82,8 +83,8 @@ pub fn figures(page: &mut Page) -> anyhow::Result<()> {
 }
 
 impl Example {
-    /// The readings of straight walls, each by the direction of its foot (degrees from D's middle) and its distance, as a sonar
-    /// with a beam as wide as its sector hears them.
+    /// The readings of straight walls by sonars whose beams are as wide as their sectors. A wall is the direction of
+    /// its foot (degrees from the middle of sector D) and its distance.
     fn of_walls(title: &'static str, case: Case, walls: &[(f64, f64)]) -> Self {
         let nearest = |sector: f64, (foot, distance): (f64, f64)| {
             let off = ((foot.to_radians() - sector).abs() - 0.5 * FAN.sector).max(0.0);
@@ -91,7 +92,7 @@ impl Example {
         };
         let readings = [-FAN.sector, 0.0, FAN.sector]
             .map(|sector| walls.iter().map(|wall| nearest(sector, *wall)).min_by(f64::total_cmp));
-        // Walls are visible up to where another one is nearer.
+        // A wall is visible only where no other wall is nearer.
         let points = (-45..=45).map(|degrees| {
             let angle = f64::from(degrees).to_radians();
             let along = walls.iter().map(|(foot, distance)| distance / math::cos(angle - foot.to_radians()));
@@ -122,7 +123,7 @@ impl Example {
     }
 }
 
-/// Position of a point of the robot's frame in a panel: x up, y to the left.
+/// Position in a panel of a point in the robot's frame: x up, y to the left.
 fn place(point: Point) -> String {
     format!("{:.1},{:.1}", ROBOT.0 - METRE * point.y, ROBOT.1 - METRE * point.x)
 }
@@ -205,7 +206,8 @@ fn panel(example: &Example, model: &Model) -> String {
     body + &text(ROBOT.0, 16.0, 14.0, example.title)
 }
 
-/// Figure 5: a line in the grid, by point-by-point comparison, by DDA, and all cells that it touches.
+/// Figure 5: the cells of a line by point-by-point comparison, by DDA, and by the exact test (all cells that the line
+/// touches).
 fn cells() -> Figure {
     const SIDE: f64 = 22.0;
     const CELLS: (usize, usize) = (13, 8);

@@ -21,22 +21,22 @@ use sim_host::files::DiskFiles;
 use crate::run::root;
 use crate::trace::{Event, Trace};
 
-/// The robot `sectors` and its sonars: `robis/sectors.toml`.
+/// Sonars of the robot `sectors`, as in `robis/sectors.toml`.
 pub const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
 const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, farthest: FAN.farthest };
 
 /// Algorithm of a map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MapMethod {
-    /// The map of the paper, with lines drawn by point-by-point comparison.
+    /// The paper's map, with lines drawn by point-by-point comparison.
     Wu,
-    /// The map of the paper, with lines drawn by DDA.
+    /// The paper's map, with lines drawn by DDA.
     WuDda,
     /// The paper's local grids, added as log-odds instead of by Eq. 4.
     WuLogOdds,
-    /// The plain sonar grid; silence gives no information.
+    /// The plain sonar grid; a missing echo gives no information.
     Plain,
-    /// The plain sonar grid; silence means free.
+    /// The plain sonar grid; a missing echo means free.
     PlainFree,
     /// Log-odds of cones and arcs.
     LogOdds,
@@ -59,7 +59,7 @@ impl MapMethod {
     }
 }
 
-/// A run with its maps, all in the frame of the robot's start.
+/// A run and its maps, all in the frame of the robot's start.
 pub struct Mapped {
     /// Name of the run.
     pub name: String,
@@ -67,27 +67,28 @@ pub struct Mapped {
     pub truth: Grid<Truth>,
     /// Estimated positions of the robot at its observations.
     pub stops: Vec<Point>,
-    /// Number of looks.
+    /// Number of looks: instants at which the robot read all its sonars.
     pub looks: usize,
-    /// End of its program, s.
+    /// Virtual time at which the robot's program ended, s.
     pub time: f64,
-    /// Length of its path, m.
+    /// Length of the robot's path, m.
     pub path: f64,
-    /// Number of contacts begun.
+    /// Number of contacts.
     pub contacts: usize,
-    /// Error of its odometry at the end: m, rad.
+    /// Error of the robot's odometry at the end: m, rad.
     pub odometry_error: (f64, f64),
     printed: Vec<String>,
     readings: Vec<Vec<Reading>>,
     neighbours: Vec<(f64, f64)>,
-    said: [Grid<Occupancy>; 6],
+    maps: [Grid<Occupancy>; 6],
 }
 
 impl Mapped {
-    /// Reads the output of a run of the scene `file` from its trace, and makes all maps of it.
+    /// Reads the output of a run of the scene `file` from its trace, and makes all maps of the run.
     ///
     /// # Errors
-    /// If the scene cannot be read, or the robot has printed no looks or no map of the frame in the scene's arguments.
+    /// If the scene cannot be read, or the robot printed no looks or no map with the frame that the scene's arguments
+    /// give.
     pub fn new(name: &str, file: &Path, trace: &Trace) -> anyhow::Result<Self> {
         let mut files = DiskFiles::with_home(root());
         let path = files.name(&root().join(file));
@@ -108,48 +109,49 @@ impl Mapped {
             printed: Vec::new(),
             readings: Vec::new(),
             neighbours: Vec::new(),
-            said: std::array::from_fn(|_| Grid::new(frame, Occupancy::Unknown)),
+            maps: std::array::from_fn(|_| Grid::new(frame, Occupancy::Unknown)),
         };
-        run.hear(trace)?;
-        run.watch(trace, &start);
-        run.said = MapMethod::ALL.map(|kind| run.map(kind, &frame));
+        run.read_output(trace)?;
+        run.read_motion(trace, &start);
+        run.maps = MapMethod::ALL.map(|kind| run.map(kind, &frame));
         Ok(run)
     }
 
-    /// Classification of all cells by a map.
-    pub fn said(&self, kind: MapMethod) -> &Grid<Occupancy> {
-        &self.said[kind as usize]
+    /// The cells as the map classifies them.
+    pub fn cells(&self, kind: MapMethod) -> &Grid<Occupancy> {
+        &self.maps[kind as usize]
     }
 
     /// Score of a map against the ground truth.
     pub fn score(&self, kind: MapMethod) -> Score {
-        Score::of(self.said(kind), &self.truth)
+        Score::of(self.cells(kind), &self.truth)
     }
 
     /// Number of cells in which two maps differ.
     pub fn differing(&self, a: MapMethod, b: MapMethod) -> usize {
-        self.said(a).values().iter().zip(self.said(b).values()).filter(|(a, b)| a != b).count()
+        self.cells(a).values().iter().zip(self.cells(b).values()).filter(|(a, b)| a != b).count()
     }
 
-    /// Number of cells in which the robot's own map differs from ours by the same algorithm.
+    /// Number of cells in which the map of the robot's program differs from our map by the same algorithm.
     pub fn differing_cells(&self) -> usize {
         let frame = self.truth.frame();
         let own = |cell: mapping::grid::Cell| {
             let row = self.printed.get(frame.rows() - 1 - cell.row)?;
             row.chars().nth(cell.column)
         };
-        let is_other = |(cell, said): &(mapping::grid::Cell, &Occupancy)| {
+        let is_other = |(cell, class): &(mapping::grid::Cell, &Occupancy)| {
             own(*cell)
-                != Some(match said {
+                != Some(match class {
                     Occupancy::Free => '.',
                     Occupancy::Occupied => '#',
                     Occupancy::Unknown => '?',
                 })
         };
-        self.said(MapMethod::Wu).iter().filter(is_other).count()
+        self.cells(MapMethod::Wu).iter().filter(is_other).count()
     }
 
-    /// Among the pairs of neighbours that both hear something: the number of continuous ones, of continuous ones as printed, and of all.
+    /// Counts pairs of neighbouring sonars that both have an echo: the continuous pairs, the continuous pairs by the
+    /// printed condition, and all pairs.
     pub fn continuous_pairs(&self) -> (usize, usize, usize) {
         let is_continuous = |&&(a, b): &&(f64, f64)| FAN.relation(Some(a), Some(b)) == Relation::Continuous;
         let as_printed = |&&(a, b): &&(f64, f64)| {
@@ -160,8 +162,8 @@ impl Mapped {
         (pairs.iter().filter(is_continuous).count(), pairs.iter().filter(as_printed).count(), pairs.len())
     }
 
-    /// Free cells that the map classifies as occupied: the number of those that more stops classified as free than as occupied, the number
-    /// of all, and the number of the former that the same local grids added as log-odds correct.
+    /// Counts free cells that the map classifies as occupied: those that more stops classified as free than as
+    /// occupied, all of them, and those of the first count that adding the same local grids as log-odds corrects.
     pub fn stuck(&self) -> (usize, usize, usize) {
         let frame = *self.truth.frame();
         let mut votes = Grid::new(frame, (0_u32, 0_u32));
@@ -176,18 +178,18 @@ impl Mapped {
             }
         }
         let wrong = |kind| {
-            let said = self.said(kind);
-            frame.cells().filter(move |cell| said[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
+            let cells = self.cells(kind);
+            frame.cells().filter(move |cell| cells[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
         };
         let is_stuck = |cell: &mapping::grid::Cell| votes[*cell].1 > votes[*cell].0;
-        let log_odds = self.said(MapMethod::WuLogOdds);
+        let log_odds = self.cells(MapMethod::WuLogOdds);
         let stuck: Vec<_> = wrong(MapMethod::Wu).filter(is_stuck).collect();
         let corrected = stuck.iter().filter(|cell| log_odds[**cell] != Occupancy::Occupied).count();
         (stuck.len(), wrong(MapMethod::Wu).count(), corrected)
     }
 
     /// Reads the output of the robot's program.
-    fn hear(&mut self, trace: &Trace) -> anyhow::Result<()> {
+    fn read_output(&mut self, trace: &Trace) -> anyhow::Result<()> {
         let mut readings = Vec::new();
         for (_, line) in trace.printed(1) {
             for line in line.lines() {
@@ -215,7 +217,7 @@ impl Mapped {
     }
 
     /// Reads the true motion of the robot.
-    fn watch(&mut self, trace: &Trace, start: &Pose) {
+    fn read_motion(&mut self, trace: &Trace, start: &Pose) {
         let mut at = *start;
         let mut odometry = None;
         for entry in trace.of_robot(1) {
@@ -261,7 +263,7 @@ impl Mapped {
     }
 
     fn wu_log_odds(&self, frame: &Frame) -> Grid<f64> {
-        // Certain cells weigh as much as the most certain echo that is not the body itself.
+        // Certain cells have the weight of the most certain echo, other than the robot's own body.
         const SUREST: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in &self.readings {
@@ -279,7 +281,7 @@ impl Mapped {
         map.probabilities()
     }
 
-    /// The readings as the sonars on the rim hear them.
+    /// The readings as echoes of sonars on the robot's rim.
     fn echoes(&self) -> impl Iterator<Item = Echo> {
         self.readings.iter().flatten().map(|reading| {
             let position = reading.axis.outward(Point::new(FAN.radius, 0.0));
@@ -288,7 +290,7 @@ impl Mapped {
     }
 }
 
-/// The frame of the map, and the robot's start, in the world.
+/// The frame of the map, and the pose of the robot's start, in the world.
 fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
     let robot = scene.robots.first().context("a scene without a robot")?;
     let numbers: Vec<f64> = robot.arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
@@ -298,8 +300,8 @@ fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
     Ok((frame, Pose::new(start.position.x, start.position.y, start.heading.radians())))
 }
 
-/// Ground truth from the walls, in the frame of the start. Cells that can be reached from the start without crossing a wall are free; wall
-/// cells with a free neighbour are surfaces; all others are hidden.
+/// Ground truth from the walls, in the frame of the start. A cell is free if it can be reached from the start without
+/// crossing a wall. A wall cell with a free neighbour is a surface. All other cells are hidden.
 pub fn truth(walls: impl Iterator<Item = [Point; 2]>, frame: &Frame) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
     for [from, to] in walls {

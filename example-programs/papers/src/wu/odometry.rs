@@ -1,7 +1,9 @@
-//! Wu et al. 2013 with a robot's real odometry: what raw odometry costs the map, and how much of it a corrected pose brings back.
+//! Wu et al. 2013 with a robot's real odometry: the loss of map quality by raw odometry, and the fraction that a
+//! corrected pose recovers.
 //!
-//! The robot drives by its raw odometry. From one drive's readings three maps are made, all by the paper's method: with the
-//! true poses, with the poses of odometry, and with poses corrected by [`mapping::tracker`]. So the maps differ in the poses alone.
+//! The robot drives by its raw odometry. The readings of one drive give three maps, all by the paper's method: with the
+//! true poses, with the poses of odometry, and with poses corrected by [`mapping::tracker`]. So the maps differ only by
+//! their poses.
 
 mod drive;
 mod rooms;
@@ -21,13 +23,15 @@ use self::rooms::{Case, cases};
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::Job;
 
-/// First seeds of training and held-out drives for the seed 1; those of another seed are farther by a multiple of 100,000.
+/// Seeds of the first training drive and the first held-out drive for the seed 1; another seed moves them up by a
+/// multiple of 100,000.
 const TRAINING: u64 = 331_100;
 const HELD_OUT: u64 = 331_500;
 const APART: u64 = 100_000;
 
-/// Noise in which the settings are chosen, and noises to which they are also applied.
+/// Noise profile for which the settings are chosen.
 const NOISE: &str = "real";
+/// Noise profiles to which the settings are applied without a new choice.
 const OTHERS: [&str; 2] = ["mild", "harsh"];
 
 /// Rules of the search.
@@ -41,8 +45,8 @@ const PARAMETERS: [Parameter; 5] = [
     Parameter { name: "distance, m/m", start: 0.02, ratio: 2.0, most: f64::INFINITY, gain: GAIN },
 ];
 
-/// Decision: the correction counts as enough if at least this share of what raw odometry loses comes back in each room, in cells right and
-/// in precision.
+/// Decision rule: the correction is sufficient if it recovers at least this fraction of the loss by raw odometry in
+/// each room, both for the fraction of right cells and for precision.
 const ENOUGH: f64 = 0.5;
 
 fn correction(setting: &[f64]) -> anyhow::Result<Correction> {
@@ -66,10 +70,10 @@ impl Judged {
     }
 }
 
-/// Makes the page: searches the settings on training rooms, then judges them in the three rooms.
+/// Makes the page: searches the settings on training rooms, then evaluates them in the three held-out rooms.
 ///
 /// # Errors
-/// A scene that does not run to its end; a search that does not enclose the optimum.
+/// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn run(job: &Job) -> anyhow::Result<Page> {
     let first = |seed: u64| seed + job.seed().wrapping_sub(1).wrapping_mul(APART);
     let training = drives(job, &rooms::training(), first(TRAINING), NOISE)?;
@@ -82,7 +86,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     let errors = [&raw, &tuned.errors].map(|errors| Interval::of(errors).mean);
     job.tell(&format!("{:?}, raw and corrected {errors:.4?}, {} evaluations", tuned.setting, tuned.evaluations));
     let correction = correction(&tuned.setting)?;
-    // Nothing is chosen from here on.
+    // All choices are made above.
     let rooms = rooms::held_out()?;
     let judge = |noise: &str| -> anyhow::Result<Vec<Judged>> {
         drives(job, &rooms, first(HELD_OUT), noise)
@@ -127,13 +131,13 @@ fn by_room(results: &[Judged], value: impl Fn(&Judged) -> f64) -> Vec<f64> {
     results.chunks(starts).map(|room| room.iter().map(&value).sum::<f64>() / starts as f64).collect()
 }
 
-/// Mean over rooms with the range of the rooms, in percent.
+/// Mean over rooms, with the minimum and maximum, in percent.
 fn over_rooms(values: &[f64]) -> String {
     let Interval { mean, low, high, .. } = Interval::of(values);
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
 }
 
-/// Track of a drive.
+/// Selects a track of a drive.
 type Chosen = fn(&Judged) -> &Track;
 
 type Value = fn(&Score) -> f64;
@@ -141,7 +145,7 @@ const RIGHT: Value = Score::accuracy;
 const PRECISION: Value = |score| score.precision;
 const RECALL: Value = |score| score.recall;
 
-/// Share of the loss by raw odometry that comes back, for the mean of each room.
+/// Fraction of the loss by raw odometry that the correction recovers, for the mean of each room.
 fn returned(results: &[Judged], value: Value) -> Vec<f64> {
     let [exact, raw, corrected] = [
         by_room(results, |result| value(&result.exact.score)),
@@ -252,10 +256,10 @@ fn starts(results: &[Judged]) -> Table {
     table
 }
 
-/// Computes the rows of the first start in each room again, from the table of settings of a page.
+/// Recomputes the rows of the first start in each room from the table of settings of a page.
 ///
 /// # Errors
-/// A page without settings; a scene that does not run to its end.
+/// If the page has no settings, or a scene does not run to its end.
 pub fn sample(job: &Job, doc: &str) -> anyhow::Result<Vec<String>> {
     let mut lines = doc.lines().skip_while(|line| *line != "<!-- papers: odometry/settings -->");
     let row = lines.nth(3).context("no settings")?;

@@ -17,7 +17,7 @@ while OSGetCount() < 40000:
     if turning:
         VWSetSpeed(0, turning)
     else:
-        # Away from the nearer side.
+        # Turn away from the nearer side.
         VWSetSpeed(SPEED, 30 if right < 200 else -30 if left < 200 else 0)
     OSWait(50)
 VWSetSpeed(0, 0)

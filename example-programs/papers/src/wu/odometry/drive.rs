@@ -1,4 +1,4 @@
-//! A drive: what the robot heard at each look, with its pose by odometry and its true pose; and maps of it.
+//! A drive and maps of it: the readings at each look, with the robot's pose by odometry and its true pose.
 
 use anyhow::{bail, ensure};
 use mapping::grid::Grid;
@@ -13,29 +13,29 @@ use crate::wu::maps::{FAN, truth};
 
 /// A drive in the frame of its start.
 pub struct Drive {
-    /// Name of room and start.
+    /// Name of the room and the start.
     pub name: String,
     /// Ground truth.
     pub truth: Grid<Truth>,
     /// Length of the path, m.
     pub path: f64,
-    /// Number of contacts begun.
+    /// Number of contacts.
     pub contacts: usize,
-    /// Looks of each stop, with poses by odometry, and the true poses.
+    /// Looks of each stop, with poses by odometry, each with its true pose.
     stops: Vec<Vec<(Look, Pose)>>,
 }
 
 /// Poses of a drive's looks, and the map with these poses.
 pub struct Track {
-    /// The poses.
+    /// Pose of each look.
     pub poses: Vec<Pose>,
     /// The map.
     pub map: Grid<Occupancy>,
-    /// Its score.
+    /// Score of the map.
     pub score: Score,
-    /// Root of the mean square of the errors of position (m) and heading (rad).
+    /// Root mean square over the looks of the pose error: the norm of its position part (m) and heading part (rad).
     pub error: f64,
-    /// Error at the last look, m and rad.
+    /// Error of position (m) and heading (rad) at the last look.
     pub end: (f64, f64),
 }
 
@@ -43,7 +43,7 @@ impl Drive {
     /// Reads a drive from its trace.
     ///
     /// # Errors
-    /// A robot that printed something else than looks, stops and rows, or no look.
+    /// If the robot printed anything other than looks, stops and rows, or no look.
     pub fn new(case: &Case, trace: &Trace) -> anyhow::Result<Self> {
         let (mut path, mut contacts) = (0.0, 0);
         let (mut at, mut looks, mut stops) = (case.start, Vec::new(), Vec::new());
@@ -81,17 +81,17 @@ impl Drive {
         self.stops.iter().map(Vec::len).sum()
     }
 
-    /// With the true poses.
+    /// The track with the true poses.
     pub fn exact(&self) -> Track {
         self.track(self.stops.iter().flatten().map(|(_, truth)| *truth).collect())
     }
 
-    /// With the poses of odometry.
+    /// The track with the poses of odometry.
     pub fn raw(&self) -> Track {
         self.track(self.stops.iter().flatten().map(|(look, _)| look.robot).collect())
     }
 
-    /// With corrected poses.
+    /// The track with corrected poses.
     pub fn corrected(&self, correction: Correction) -> Track {
         self.track(self.poses(correction))
     }

@@ -1,4 +1,4 @@
-//! Rooms and starts: those on which settings are chosen, and the three in which they are judged.
+//! Rooms and starts: those for which settings are chosen, and the three held-out rooms.
 
 use std::fmt::Write as _;
 
@@ -10,10 +10,10 @@ use sim_host::launch::Options;
 
 use crate::run::{Job, Run, Scene, root};
 
-/// Starts in each of the three rooms.
+/// Number of starts in each of the three held-out rooms.
 pub const STARTS: usize = 6;
 
-/// A room: its walls from point to point, and starts in it; mm and degrees.
+/// A room: its walls from point to point, in mm, and starts in it, in mm and degrees.
 pub struct Room {
     name: &'static str,
     walls: Vec<[[f64; 2]; 2]>,
@@ -29,7 +29,7 @@ fn outlines(outlines: &[&[[f64; 2]]]) -> Vec<[[f64; 2]; 2]> {
     outlines.iter().flat_map(walls).collect()
 }
 
-/// Four rooms with three starts each, in which nothing is judged.
+/// Four training rooms with three starts each.
 pub fn training() -> Vec<Room> {
     vec![
         Room {
@@ -81,10 +81,11 @@ pub fn training() -> Vec<Room> {
     ]
 }
 
-/// The room and the corridor of the scenes, along the grid, and a hall that is turned against it, with an oblique wall.
+/// The held-out rooms: the room and the corridor of the scenes, parallel to the grid, and a hall at an angle to the
+/// grid, with an oblique wall.
 ///
 /// # Errors
-/// A scene that cannot be read.
+/// If a scene cannot be read.
 pub fn held_out() -> anyhow::Result<Vec<Room>> {
     let starts = |at: [[f64; 2]; STARTS], heading: f64| at.iter().map(|[x, y]| [*x, *y, heading]).collect();
     let room = [[600.0, 600.0], [3000.0, 700.0], [3000.0, 2200.0], [600.0, 2200.0], [1300.0, 1500.0], [2900.0, 1500.0]];
@@ -115,13 +116,13 @@ fn of_scene(file: &str) -> anyhow::Result<Vec<[[f64; 2]; 2]>> {
     Ok(walls.map(|wall| [wall.from, wall.to].map(|end| [1e3 * end.x, 1e3 * end.y])).collect())
 }
 
-/// A start in a room, with seed and noise.
+/// A start in a room, with a seed and a noise profile.
 pub struct Case {
     /// Name: room, number of the start, noise.
     pub name: String,
-    /// Name of room and start.
+    /// Name of the room and the start.
     pub start_name: String,
-    /// Start in the room.
+    /// Pose of the start in the room.
     pub start: Pose,
     /// Walls in the frame of the start, m.
     pub walls: Vec<[Point; 2]>,
@@ -136,7 +137,8 @@ pub fn cases(rooms: &[Room], first: u64, noise: &str) -> Vec<Case> {
     starts.zip(first..).map(|((room, (index, start)), seed)| case(room, index, *start, seed, noise)).collect()
 }
 
-/// Distance of the map's edges from the outermost walls, m: a cell and a half, so that a wall along the grid passes the middles of cells.
+/// Distance of the map's edges from the outermost walls, m: one and a half cells, so that a wall parallel to the grid
+/// passes through the middles of cells.
 const MARGIN: f64 = 0.075;
 
 fn case(room: &Room, index: usize, [x, y, heading]: [f64; 3], seed: u64, noise: &str) -> Case {
@@ -167,13 +169,13 @@ fn case(room: &Room, index: usize, [x, y, heading]: [f64; 3], seed: u64, noise: 
 }
 
 impl Case {
-    /// The drive.
+    /// The run of the drive.
     pub fn run(&self, job: &Job) -> Run {
         let options = Options { seed: Some(self.seed), noise: Some(self.noise.clone()), ..job.options() };
         Run { name: self.name.clone(), scene: Scene::Text(self.scene.clone()), options }
     }
 
-    /// Edges and cell size of the map, from the robot's arguments, m.
+    /// Frame of the map, as in the robot's arguments, m.
     pub fn frame(&self) -> mapping::grid::Frame {
         let ends = || self.walls.iter().flatten();
         let round = |edge: f64| (1e3 * edge).round() / 1e3;
