@@ -1,6 +1,6 @@
-"""Hook of MkDocs: the pages of the book are the Markdown files of the repository, each at its own path.
+"""MkDocs hook: the pages of the book are the Markdown files of the repository, each at its own path.
 
-So a link between two pages is the same in the book, on a forge and on disk.
+A link between two pages is therefore the same in the book, on a forge and on disk.
 """
 
 import logging
@@ -10,14 +10,14 @@ from pathlib import Path
 
 from mkdocs.structure.files import File, Files
 
-# Folders whose files pages show or link to.
+# Folders with files that pages show or link to.
 FOLDERS = ("docs/", "example-programs/", "worlds/", "sims/", "robis/")
 
 LOG = logging.getLogger("mkdocs.hooks.files")
 
 
 def on_files(files, config):
-    """Replaces the files below `docs_dir` by those of the repository."""
+    """Replaces the files below `docs_dir` with those of the repository."""
     root = Path(config.config_file_path).parent
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout.split("\0")
@@ -29,12 +29,12 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, **_):
-    """Turns a second word behind the language of a block, such as `wrong`, into its title, which is all that the book's blocks allow."""
+    """Converts a second word after a block's language, such as `wrong`, to the block's title, since MkDocs accepts no second word."""
     return re.sub(r"^```(\S+) (\w+)$", r'```\1 title="\2"', markdown, flags=re.MULTILINE)
 
 
 def on_page_content(html, page, **_):
-    """Warns of a fence that did not become a block; the strict mode makes an error of it."""
+    """Warns if a fence did not become a block; the strict mode turns the warning into an error."""
     fenced, blocks = len(re.findall(r"^```", page.markdown, flags=re.MULTILINE)) // 2, html.count("<pre>")
     if blocks < fenced:
         LOG.warning("%s: %d blocks of %d fences", page.file.src_uri, blocks, fenced)

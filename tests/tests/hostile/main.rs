@@ -279,13 +279,14 @@ fn the_page_lists_every_case() {
 fn page(cases: &[Case], told: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\
-         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in its own process, on a\n\
-         thread and on a fiber of `eyesim` (in C; on a thread if the program cannot run on a fiber). No run hangs, no run ends\n\
-         with exit code 0 without a complete trace, and no run changes the trace of another robot. The cells give the exit code\n\
-         of `eyesim`, then the outcome of robot 2 and its reason. `--exec auto`, the default, chooses a process for programs\n\
-         whose imports show that they could end or stop `eyesim`; on a thread or fiber (`--exec thread` or `fiber`) such a\n\
-         program may end `eyesim` with a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
-         The table is written by `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test hostile`; the programs are in\n\
+         Each robot program of this table runs as robot 2 between two robots with correct programs (`--timeout 0.5`). It\n\
+         runs three times: in its own process, on a thread of `eyesim`, and on a fiber of `eyesim` (only programs in C; on a thread\n\
+         if the program cannot run on a fiber). No run hangs, no run ends with exit code 0 without a complete trace, and no run changes the trace of another\n\
+         robot. A cell gives the exit code of `eyesim`, then the outcome of robot 2 and its reason.\n\n\
+         `--exec auto`, the default, chooses a process for programs whose imports show that they could end or stop `eyesim`. On a\n\
+         thread or fiber (`--exec thread` or `fiber`) such a program may end `eyesim` with a signal. Programs that stop their\n\
+         process (`raise(SIGSTOP)`) are therefore not run on threads and fibers.\n\n\
+         `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test hostile` writes the table; the programs are in\n\
          `tests/tests/hostile/cases.rs`.\n\n\
          | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",
     );
