@@ -116,7 +116,7 @@ pub fn results(
 /// Verdict of a check during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// The rest of the run decides the check.
+    /// The rest of the run may still decide the check.
     Open,
     /// The check is met, whatever happens later.
     Met,

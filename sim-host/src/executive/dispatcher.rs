@@ -77,8 +77,8 @@ struct Worker {
     running: Vec<RobotId>,
 }
 
-/// Maximum number of robots that are released together, one after the other on their worker: only the last one that
-/// comes back takes the dispatcher's lock, for all of them.
+/// Maximum number of robots that are released together. They run one after the other on their worker; the last one that
+/// comes back takes the dispatcher's lock once for all of them.
 const MAX_RELEASE: usize = 16;
 
 /// Queue of the robots of one worker that come back to the barrier.
@@ -95,9 +95,9 @@ pub struct Return {
     pub robot: RobotId,
     /// Time until which it sleeps.
     pub wake: Time,
-    /// It may have requests to other robots, or has written files.
+    /// The robot may have requests to other robots, or has written files.
     pub has_requests: bool,
-    /// It waits for an event that the scheduler step can cause, so that it may wake earlier.
+    /// The robot waits for an event that the scheduler step can cause, so it may wake earlier.
     pub awaits_step: bool,
 }
 
@@ -200,7 +200,7 @@ pub struct Plan {
     /// For each robot, true if it has a program.
     pub has_program: Vec<bool>,
     /// For each robot the worker on which it has to run; `None` for any.
-    pub homes: Vec<Option<u32>>,
+    pub bound_workers: Vec<Option<u32>>,
     /// Number of workers: robots that may run at one time.
     pub workers: usize,
     /// Simulated time at which the run ends.
@@ -210,7 +210,7 @@ pub struct Plan {
 impl Dispatcher {
     /// Maximum number of workers that a run of `plan` can have.
     pub fn max_workers(plan: &Plan) -> usize {
-        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let min_workers = plan.bound_workers.iter().flatten().max().map_or(0, |worker| *worker as usize + 1);
         plan.workers.max(min_workers).max(1)
     }
 
@@ -222,7 +222,7 @@ impl Dispatcher {
             robots.map(|(index, _)| RobotId::from_index(index))
         };
         let alive = ids(true).count();
-        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let min_workers = plan.bound_workers.iter().flatten().max().map_or(0, |worker| *worker as usize + 1);
         let workers = plan.workers.clamp(1, alive.max(1)).max(min_workers);
         let mut dispatcher = Self {
             workers: (0..workers).map(|_| Worker::default()).collect(),
@@ -250,7 +250,7 @@ impl Dispatcher {
         let deal_size = deal(alive, workers);
         for (position, robot) in ids(true).enumerate() {
             dispatcher.affinity[robot.index()] =
-                plan.homes[robot.index()].unwrap_or((position / deal_size % workers) as u32);
+                plan.bound_workers[robot.index()].unwrap_or((position / deal_size % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -266,8 +266,8 @@ impl Dispatcher {
         self.end.get_or_insert(end);
     }
 
-    /// Lets the robots that are due in the current slot but have not run in it yet continue to sleep: the run ends, and
-    /// its user waits for the end.
+    /// Keeps the robots asleep that are due in the current slot but have not run in it yet: the run is ending, and its
+    /// user waits for the end.
     pub fn skip_queue(&mut self) {
         self.workers.iter_mut().for_each(|worker| worker.run_queue.clear());
     }
@@ -369,7 +369,7 @@ impl Dispatcher {
         self.departed[robot.index()]
     }
 
-    /// Simulated time at the end of the run: the end of the last slot, or the limit that the user set if that ended the run.
+    /// Simulated time at the end of the run: the end of the last slot, or the user's time limit if it ended the run.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
             Some(End::Until) => world.slot_start().max(self.limit),
@@ -411,7 +411,8 @@ impl Dispatcher {
         Some(robot)
     }
 
-    /// Releases `first` on the idle `worker`, with the following ones of its queue if all of them are bound to it.
+    /// Releases `first` on the idle `worker`, together with the next robots of its queue if all of them are bound to
+    /// the worker.
     fn release(&mut self, worker: usize, first: RobotId, run: &Run) {
         let Worker { run_queue, running } = &mut self.workers[worker];
         running.push(first);
@@ -512,8 +513,8 @@ impl Dispatcher {
         self.soon_until = slot_end + environment.world.slot();
     }
 
-    /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
-    /// earlier.
+    /// Carries out `action` at the start of the slot that contains `at`, or of the next slot in which anything happens,
+    /// whichever is earlier.
     ///
     /// # Errors
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
@@ -541,7 +542,7 @@ impl Dispatcher {
             self.requesting.push(id);
         }
         if let Some((id, has_program)) = effect.spawned {
-            self.admit(id, has_program, run.home(id), at);
+            self.admit(id, has_program, run.bound_worker(id), at);
         }
         if let Some(id) = effect.removed {
             // Wakes its program, whose calls return `Stop` from now on.
@@ -555,18 +556,19 @@ impl Dispatcher {
     }
 
     /// Adds a spawned robot, which has the next id; it is due at `at` if it has a program.
-    fn admit(&mut self, robot: RobotId, has_program: bool, home: Option<u32>, at: Time) {
+    fn admit(&mut self, robot: RobotId, has_program: bool, bound_worker: Option<u32>, at: Time) {
         self.affinity.push(0);
         self.wake_numbers.push(0);
         self.await_step.push(false);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
-            let worker_count = self.max_workers.min(self.alive).max(home.map_or(0, |home| home as usize + 1));
+            let worker_count =
+                self.max_workers.min(self.alive).max(bound_worker.map_or(0, |worker| worker as usize + 1));
             while self.workers.len() < worker_count {
                 self.workers.push(Worker::default());
             }
-            self.affinity[robot.index()] = home.unwrap_or((robot.index() % self.workers.len()) as u32);
+            self.affinity[robot.index()] = bound_worker.unwrap_or((robot.index() % self.workers.len()) as u32);
             self.sleep_until(robot, at);
         }
         self.touched.push(robot);

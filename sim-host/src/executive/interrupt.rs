@@ -14,8 +14,8 @@ use super::signal::{self, Handlers, action, change_action, default_action};
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Ends the runs with their current slots; may be called from any thread; async-signal-safe. Returns true if it was
-    /// already set.
+    /// Ends the runs at the end of their current slots. Returns true if the interrupt was already set.
+    /// Async-signal-safe; may be called from any thread.
     pub fn set(&self) -> bool {
         self.0.swap(true, Ordering::AcqRel)
     }
@@ -149,7 +149,8 @@ extern "C" fn on_last_resort(_: i32) {
     exit_at_once(1)
 }
 
-/// Ends this process with exit code 1 if it has not ended by itself after `timeout`: destructors of programs run when it ends.
+/// Ends this process with exit code 1 after `timeout`, in case a destructor of a program hangs while the process ends
+/// by itself.
 pub fn end_within(timeout: std::time::Duration) {
     const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
     let end = move || {

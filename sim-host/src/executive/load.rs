@@ -131,8 +131,8 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Kind of execution of a program if the user requests `exec`, and the reason if that is a different kind or `auto`
-/// chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
+/// Kind of execution of a program for the user's choice `exec`. Also returns a reason if this is a different kind, or
+/// if `auto` chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
 /// does not return, the process can be killed.

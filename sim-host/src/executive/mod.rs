@@ -83,8 +83,8 @@ pub trait Executor: Send + Sync {
     /// Suspends the calling flow, which holds the run token of `robot`, until it is resumed.
     fn suspend(&self, robot: RobotId);
 
-    /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be immediately
-    /// followed by a resumption.
+    /// Continues the calling flow, which holds the run token of `robot`: equivalent to a suspension with an immediate
+    /// resumption.
     fn continue_running(&self, robot: RobotId);
 
     /// Hands the run token of `robot` from the calling flow to the flow of task `task`; returns when it is handed back.

@@ -20,7 +20,7 @@ use crate::program::site::Site;
 /// The user's choice of where programs run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
-    /// In a process of its own if its imports show that it could end or stop the host; otherwise as for `Fiber`.
+    /// In a process of its own if its imports show that it could end or stop the host; otherwise like `Fiber`.
     Auto,
     /// On a fiber of the host; on a thread if it could end the host, or if it is bound to its thread
     /// ([`why_thread_bound`](crate::program::prepare::Prepared::why_thread_bound)).

@@ -294,7 +294,8 @@ fn accesses_at(broken: &Broken, program: &RobotProgram) -> Option<Accesses> {
     accesses_of(&program.source_of(&line).filter(|_| !is_rust)?, usize::try_from(line.line).ok()?)
 }
 
-/// The pointers that are used by the line at which the program's own code broke, if there are at most two: one of them was NULL.
+/// The pointers that the line uses at which the program's own code broke, if there are at most two: one of them was
+/// NULL.
 fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let pointers = accesses_at(broken, program)?.pointers;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
@@ -363,7 +364,7 @@ pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<Str
 
 /// The line in the program's own sources to which return addresses lead, the innermost first.
 pub(super) fn line_of_stack(addresses: &[usize], program: &RobotProgram) -> Option<String> {
-    // Address 0, where no code is, takes the place of the program counter.
+    // Address 0 contains no code; it takes the place of the program counter.
     let addresses: Vec<usize> = std::iter::once(0).chain(addresses.iter().copied()).collect();
     program.own_source_line(&addresses).map(|line| line.to_string())
 }

@@ -19,7 +19,7 @@ use crate::robios::{cost, forbidden};
 /// and a message.
 pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
-/// Folders in which programs of a scene are searched, in addition to its own: the working folder and the installation.
+/// Folders that are searched for programs of a scene, in addition to its own: the working folder and the installation.
 ///
 /// # Errors
 /// The working folder is unknown.

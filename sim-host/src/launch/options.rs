@@ -49,7 +49,7 @@ pub struct Options {
     pub dialect: Option<Dialect>,
     /// Side of the cells of the scene's maze in metres, instead of the side in its file.
     pub maze_cell: Option<f64>,
-    /// Values of a scene in TOML, by the path of their keys.
+    /// Values that replace those of a scene in TOML, by the paths of their keys.
     pub settings: Vec<Setting>,
     /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
     pub keys: Vec<String>,
@@ -64,7 +64,7 @@ pub struct Options {
     pub forbid: Vec<String>,
     /// Noise profile of all robots, instead of the scene's: a preset's name or a file.
     pub noise: Option<String>,
-    /// Motion of robots that are pushed against walls, instead of the scene's.
+    /// Motion of robots that push against walls, instead of the scene's setting.
     pub contact: Option<ContactKind>,
     /// Suite whose checks judge the run, in addition to the scene's.
     pub checks: Option<PathBuf>,

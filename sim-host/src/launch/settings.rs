@@ -146,7 +146,7 @@ impl ProgramOption {
         Self { program: program.to_owned(), ..self.clone() }
     }
 
-    /// Returns true if both options have the same text for the robots.
+    /// Returns true if the text that selects the robots is the same in both options.
     pub fn selects_same_robots(&self, other: &Self) -> bool {
         self.selector == other.selector
     }

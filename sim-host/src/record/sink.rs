@@ -45,7 +45,7 @@ impl RecordError {
 
 /// Consumer of records.
 pub trait Sink: Send {
-    /// Kinds of records that the sink takes; constant during a run. In a slot with records of other kinds only, only
+    /// Kinds of records that the sink takes; constant during a run. If a slot has only records of other kinds, only
     /// [`Self::end_slot`] is called.
     fn interest(&self) -> KindSet;
 

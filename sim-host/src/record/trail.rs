@@ -21,8 +21,9 @@ const MAX_POINTS: usize = 4096;
 
 /// A polyline that stays within [`Self::deviation`] of every pushed position.
 ///
-/// Positions since the last corner are not stored, only the sector of directions of a segment that passes all of them within the
-/// tolerance (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds 4096 points.
+/// Positions since the last corner are not stored. Instead, the trail stores the sector of directions in which a
+/// segment passes all of them within the tolerance (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm
+/// and doubles when the trail exceeds 4096 points.
 #[derive(Clone, Debug)]
 pub struct Trail {
     corners: Vec<DVec2>,

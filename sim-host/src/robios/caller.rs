@@ -68,7 +68,7 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Like [`Caller::call`], compiled once for all functions.
+    /// Implements [`Caller::call`] without type parameters, so that it is compiled only once.
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
@@ -108,7 +108,8 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Like [`Caller::wait`], compiled once for all functions; if it `has_cost`, the cost of `call` passes first.
+    /// Implements [`Caller::wait`] without type parameters, so that it is compiled only once; if it `has_cost`, the
+    /// cost of `call` passes first.
     fn wait_polling(
         &self,
         call: Call,
@@ -278,7 +279,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Lets `span` of virtual time pass, as a sleep of the program outside RoBIOS.
+    /// Lets `span` of virtual time pass, for a sleep of the program outside RoBIOS.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.

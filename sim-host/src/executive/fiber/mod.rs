@@ -53,7 +53,7 @@ pub struct FiberExecutor {
     workers: OnceLock<Vec<Arc<Worker>>>,
     /// The workers' threads, until they are joined.
     threads: Mutex<Vec<RunningWorker>>,
-    /// The loop with which idle workers help.
+    /// The parallel loop with which idle workers help.
     team: Arc<Team>,
     stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
@@ -73,7 +73,7 @@ struct Worker {
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
     /// Length of the queue.
     queued: AtomicUsize,
-    /// Number of robots whose home this worker is.
+    /// Number of robots that are bound to this worker.
     residents: AtomicUsize,
     /// The worker waits in the kernel, which takes microseconds to wake a thread.
     is_parked: AtomicBool,
@@ -99,7 +99,7 @@ struct RobotFibers {
     /// The robot; `None` for a spawned robot, which is not prefetched.
     member: Option<Arc<Member>>,
     /// The worker on which the robot's fibers run, set when the robot is first resumed.
-    home: OnceLock<Arc<Worker>>,
+    bound_worker: OnceLock<Arc<Worker>>,
     flows: Mutex<Flows>,
 }
 
@@ -188,7 +188,7 @@ impl FiberExecutor {
     fn running_fiber(&self, robot: RobotId) -> Option<Arc<Fiber>> {
         let fibers = self.robot(robot);
         let fiber = fibers.token_holder()?;
-        let running = fibers.home.get()?.running.load(Ordering::Relaxed);
+        let running = fibers.bound_worker.get()?.running.load(Ordering::Relaxed);
         ptr::eq(running, Arc::as_ptr(&fiber)).then_some(fiber)
     }
 
@@ -416,8 +416,8 @@ impl RobotFibers {
         if let Some(next) = next {
             flows.token_holder = Some(Arc::clone(&next));
             drop(flows);
-            if let Some(home) = self.home.get() {
-                home.enqueue(self, next);
+            if let Some(bound_worker) = self.bound_worker.get() {
+                bound_worker.enqueue(self, next);
             }
         }
     }
@@ -615,13 +615,13 @@ impl Executor for FiberExecutor {
         let fibers = self.robot(robot);
         let Some(workers) = self.workers.get() else { return };
         let worker = fibers.variables.as_ref().map_or(worker, |variables| variables.worker());
-        let home = fibers.home.get_or_init(|| {
-            let home = Arc::clone(&workers[worker as usize]);
-            home.residents.fetch_add(1, Ordering::Relaxed);
-            home
+        let bound_worker = fibers.bound_worker.get_or_init(|| {
+            let bound_worker = Arc::clone(&workers[worker as usize]);
+            bound_worker.residents.fetch_add(1, Ordering::Relaxed);
+            bound_worker
         });
         if let Some(token_holder) = fibers.token_holder() {
-            home.enqueue(fibers, token_holder);
+            bound_worker.enqueue(fibers, token_holder);
         }
     }
 

@@ -95,7 +95,7 @@ struct TaskChannels {
 }
 
 impl Child {
-    /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
+    /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
     /// A restricted process has a folder `scratch` and prints to a pipe; its output is truncated and shown without control characters.
     ///
