@@ -16,7 +16,7 @@ pub struct Calls {
     pub declared: BTreeSet<String>,
     /// Other names that the source uses and does not define, such as constants.
     pub used: BTreeSet<String>,
-    /// Names that the source defines otherwise: macros, enumerators, variables and types.
+    /// Other names that the source defines: macros, enumerators, variables and types.
     pub other_definitions: BTreeSet<String>,
     /// Files that the source includes with `"..."`.
     pub includes: Vec<String>,
@@ -77,7 +77,8 @@ pub fn calls_of(text: &str) -> Calls {
                     [previous, back(2)] == [Some(Token::Mark(':')); 2] && matches!(back(3), Some(Token::Name(_)));
                 // Functions inside classes do not define the unqualified name.
                 let is_definition = depth == 0 && after_call == Some(Token::Mark('{'));
-                // Behind a name on another line a `;` may be missing; the value of a macro follows the macro's name.
+                // If the previous token is on another line, its `;` may be missing. In a macro definition, the value
+                // follows the name.
                 let is_typed = (depth == 0 || is_in_class) && previous == Some(Token::Mark('*'))
                     || is_type(previous) && lines[index - 1] == lines[index] && back(2) != Some(Token::Name("define"));
                 if depth == 0 && is_typed && after_call == Some(Token::Mark(';')) {

@@ -62,7 +62,7 @@ impl ShimKit {
     }
 }
 
-/// Selection of the kit with which a program is built.
+/// Selection of the kit for building a program.
 #[derive(Clone, Debug)]
 pub enum Kits {
     /// The kit of the program's generation.

@@ -15,8 +15,8 @@ use super::words::split_words;
 use crate::host;
 
 /// Standards for the compilation of sources, newest first. The newest one that the compiler supports is tried first,
-/// then the last of the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse;
-/// in C++ it is the standard of many course programs that the newest one refuses.
+/// then the last one of the list. In C the last one still accepts K&R functions and `bool` as a name; in C++ it accepts
+/// many course programs that the newest one refuses.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &["-std=gnu17"],

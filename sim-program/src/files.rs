@@ -11,7 +11,7 @@ use sim_format::{FileError, Files};
 
 use crate::host;
 
-/// Environment variable with the folder of the installation, for which `%sim%` stands.
+/// Environment variable with the folder of the installation, which replaces `%sim%` in paths.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
 /// Size limit of a file in MiB. Larger files are not meshes or images; reading them would only exhaust the memory.

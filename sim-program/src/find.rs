@@ -11,7 +11,7 @@ use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
 
-/// Folders in which programs are searched, in this order: the sim file's folder, the working folder, further folders.
+/// Folders that are searched for programs, in this order: the sim file's folder, the working folder, further folders.
 #[derive(Clone, Debug, Default)]
 pub struct SearchPath {
     /// Folder of the sim file that names the program; `None` for a program named on the command line.

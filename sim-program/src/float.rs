@@ -1,5 +1,5 @@
-//! Sets the floating-point environment of a thread: the host always computes in the default environment, whatever the
-//! program has set.
+//! Sets the floating-point environment of a thread: the host always computes in the default environment, even if the
+//! program has set another one.
 //!
 //! Otherwise a changed rounding mode or flush-to-zero (set when a library built with `-ffast-math` is loaded) would
 //! change the host's results on the program's thread, and an unmasked exception would stop the host with SIGFPE.

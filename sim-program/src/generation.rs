@@ -416,8 +416,8 @@ fn code_of(source: &Path) -> Option<String> {
     Some(code_only(&String::from_utf8_lossy(&read_regular(source).ok()?)))
 }
 
-/// The variable with the handle from the only call of `init` in the only source, if it is in scope in the whole source: it is global, or
-/// the source has a single function.
+/// The variable that stores the handle from the only call of `init`, if the variable is in scope in the whole program:
+/// there is one source, and the variable is global or the source has a single function.
 fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
     let [code] = codes else { return None };
     let [offset] = calls_in(code, init)[..] else { return None };
@@ -526,8 +526,8 @@ fn has_call(code: &str, name: &str) -> bool {
     !calls_in(code, name).is_empty()
 }
 
-/// The statement of the call of `name` at `offset`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
-/// statement or a brace. `place` converts a line into the text of a place.
+/// Parses the statement of the call of `name` at `offset`. Its line must be `CALL;`, `handle = CALL;` or `Type handle =
+/// CALL;`, and follow a whole statement or a brace. `place` converts a line into the text of a place.
 fn statement(code: &str, offset: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
     let start = code[..offset].rfind('\n').map_or(0, |end| end + 1);
     let call = code[offset + name.len()..].lines().next()?.trim().strip_suffix(';')?;

@@ -25,7 +25,7 @@ const ABSENT_HEADERS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Symbols of the library curses, of which almost every program for it uses one.
+/// Symbols of the library curses; almost every program for curses uses one of them.
 const CURSES_FUNCTIONS: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
 /// Functions of other systems, with their replacements in robot programs.

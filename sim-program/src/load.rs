@@ -177,7 +177,7 @@ impl LoadedProgram {
         &self.prepared.name
     }
 
-    /// The program of which this is a copy.
+    /// The program that was copied.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
@@ -288,16 +288,17 @@ pub struct Loader {
     shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
     /// Number of robots that share copies so far.
     sharing_robots: usize,
-    /// Number of consecutive robots that are assigned to a worker before the next worker's turn, see [`deal`].
-    deal: usize,
+    /// Number of consecutive robots that are assigned to a worker before the next worker's turn, see
+    /// [`robots_per_turn`].
+    robots_per_turn: usize,
     /// Restrictions of programs that run in their own processes.
     sandbox: Option<Sandbox>,
 }
 
-/// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Neighbours
-/// in the list are often neighbours in the world, and detect each other; each worker gets four parts of the list, since
-/// robots in one part may have more to do than robots in another.
-pub fn deal(robots: usize, workers: usize) -> usize {
+/// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Robots that
+/// are neighbours in the list are often neighbours in the world, and detect each other. Each worker gets four parts of
+/// the list, since robots in one part may have more to do than robots in another part.
+pub fn robots_per_turn(robots: usize, workers: usize) -> usize {
     (robots / (4 * workers.max(1))).max(1)
 }
 
@@ -314,7 +315,7 @@ impl Loader {
             libraries: BTreeMap::new(),
             shared_copies: BTreeMap::new(),
             sharing_robots: 0,
-            deal: 1,
+            robots_per_turn: 1,
             sandbox: None,
         })
     }
@@ -348,9 +349,9 @@ impl Loader {
         Ok(Some(scratch))
     }
 
-    /// Sets the number of consecutive robots that are assigned to a worker, see [`deal`].
-    pub fn set_deal(&mut self, robots: usize) {
-        self.deal = robots;
+    /// Sets the number of consecutive robots that are assigned to a worker, see [`robots_per_turn`].
+    pub fn set_robots_per_turn(&mut self, robots: usize) {
+        self.robots_per_turn = robots;
     }
 
     /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
@@ -392,7 +393,7 @@ impl Loader {
         places: &[Range<usize>],
         workers: usize,
     ) -> Result<Arc<SharedCopy>, LoadError> {
-        let worker = (self.sharing_robots / self.deal % workers.max(1)) as u32;
+        let worker = (self.sharing_robots / self.robots_per_turn % workers.max(1)) as u32;
         self.sharing_robots += 1;
         let key = (Arc::as_ptr(prepared).addr(), worker);
         if let Some((_, copy)) = self.shared_copies.get(&key) {

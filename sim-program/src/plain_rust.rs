@@ -35,7 +35,7 @@ pub fn in_plain_words(output: &str) -> String {
     words.unwrap_or_default()
 }
 
-/// Words for an unknown method, variant or function: with the name that the compiler suggests, else with the most similar methods if the
+/// Explains an unknown method, variant or function: with the name that the compiler suggests, else with the most similar methods if the
 /// type is one of `robios_api`.
 fn unknown_name(message: &str) -> Option<String> {
     let is_head =

@@ -23,7 +23,7 @@ use sim_core::world::World;
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
 use super::team::WorkerPool;
-use crate::program::load::deal;
+use crate::program::load::robots_per_turn;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
@@ -247,10 +247,10 @@ impl Dispatcher {
             spare: Vec::new(),
             spare_states: Vec::new(),
         };
-        let deal_size = deal(alive, workers);
+        let turn_size = robots_per_turn(alive, workers);
         for (position, robot) in ids(true).enumerate() {
             dispatcher.affinity[robot.index()] =
-                plan.bound_workers[robot.index()].unwrap_or((position / deal_size % workers) as u32);
+                plan.bound_workers[robot.index()].unwrap_or((position / turn_size % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {

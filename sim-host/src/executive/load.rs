@@ -12,7 +12,7 @@ use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, ExecutionKind, RobotProgram};
 use super::{damage, fiber};
-use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
+use crate::program::load::{LoadError, Loader, OpenError, check_mappings, robots_per_turn};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::python::restricted_host;
 use crate::program::scene::Programs;
@@ -60,7 +60,7 @@ pub fn load_programs(
     loader: &mut Loader,
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
-    loader.set_deal(deal(programs.iter().count(), workers));
+    loader.set_robots_per_turn(robots_per_turn(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| execution_of(program, exec).0 == ExecutionKind::Process).count());
     // All processes start before the wait for the first one.
     let mut loading = Vec::with_capacity(scene.robots.len());

@@ -1,4 +1,4 @@
-//! Detects by which means the kernel can close areas.
+//! Detects the features with which the kernel can close areas.
 
 use std::ptr;
 
