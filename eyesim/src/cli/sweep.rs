@@ -286,7 +286,7 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(EXIT_PROGRAM))
 }
 
-/// Formats numbers as `1,3-5`, the form of Slurm's `--array`.
+/// Formats numbers as `1,3-5`, the format of Slurm's `--array`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let format_run = |run: &[usize]| match run {

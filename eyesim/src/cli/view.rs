@@ -305,7 +305,7 @@ impl Session {
         let trace = move || EventStore::trace(&trace_store).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
         let (recorded_show, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
-        // Not `recording.json`, by which pages distinguish a replay from a live run.
+        // Not `recording.json`: its presence tells pages that they show a replay and not a live run.
         self.window.offer(
             "run.recording.json",
             Download::new("application/json", move || {

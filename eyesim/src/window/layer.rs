@@ -20,7 +20,7 @@ const BYTES_PER_SECOND: f64 = 2e6;
 #[derive(Default)]
 pub struct ShownLayers {
     shown: BTreeMap<(RobotId, String), Arc<Layer>>,
-    /// The instant from which on the bandwidth allows another layer.
+    /// The instant at which the bandwidth allows another layer.
     next: Option<Instant>,
 }
 

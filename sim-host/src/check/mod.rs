@@ -19,7 +19,7 @@ pub use script::Evidence;
 use tally::Count;
 pub use tally::Tally;
 
-/// Result of one check, from which its message is composed.
+/// Result of one check, and the parts of its message.
 struct Verdict {
     is_met: bool,
     /// Fraction of the points, 0 to 1.

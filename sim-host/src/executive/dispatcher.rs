@@ -133,7 +133,7 @@ impl ReturnQueue {
     }
 }
 
-/// Smallest length of a worker's run queue from which another worker steals.
+/// Minimum length of a worker's run queue for another worker to steal from it.
 const MIN_QUEUE_TO_STEAL: usize = 4;
 
 /// An entry of the wake queue; valid while `number` is the robot's current one.

@@ -27,7 +27,7 @@ impl ForkedWorker {
     /// then ends. It also ends when this process ends.
     ///
     /// # Errors
-    /// This process has several threads, of which only one would exist in the child, or the kernel refuses.
+    /// This process has several threads (only one of them would exist in the child), or the kernel refuses.
     pub fn start(serve: impl FnOnce(UnixStream)) -> io::Result<Self> {
         await_single_thread()?;
         let (own_end, child_end) = UnixStream::pair()?;

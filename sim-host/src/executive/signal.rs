@@ -86,7 +86,7 @@ enum OnFault {
     Report(FaultCallback),
 }
 
-/// Functions by which a thread leaves a broken fiber.
+/// Functions that leave a broken fiber.
 #[derive(Clone, Copy)]
 pub struct FiberExits {
     /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns; async-signal-safe.
@@ -113,7 +113,7 @@ pub struct Fault {
     pub sp: usize,
 }
 
-/// The signal by which the watchdog stops an overdue thread.
+/// The signal that stops an overdue thread; the watchdog sends it.
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
 /// Code of a SIGFPE: an integer was divided by 0 (FPE_INTDIV, which the crate `libc` does not have).

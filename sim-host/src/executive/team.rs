@@ -37,7 +37,7 @@ impl Job {
     }
 }
 
-/// The loop in progress, with which the workers of an executor help.
+/// The parallel loop in progress, which the workers of an executor share.
 #[derive(Default)]
 pub struct Team {
     /// The job of the loop; null for none.

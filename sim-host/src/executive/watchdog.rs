@@ -41,7 +41,7 @@ pub struct FlowSample {
     pub imports: Duration,
 }
 
-/// Factor by which the timeout is longer for the import of a module, and for all imports of a release together.
+/// Factor of the timeout while a module is imported, and for all imports of a release together.
 const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {

@@ -53,8 +53,8 @@ pub struct Options {
     pub settings: Vec<Setting>,
     /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
     pub keys: Vec<String>,
-    /// File with the standard input of the programs, of which each robot reads a copy; `-`: this process's standard input, read to its
-    /// end before the run; `typed`: lines that the user types during the run.
+    /// File with the standard input of the programs; each robot reads a copy. `-`: this process's standard input, read
+    /// to its end before the run; `typed`: lines that the user types during the run.
     pub stdin: Option<PathBuf>,
     /// Arguments of programs, instead of the scene's: `1:--kp 0.5`; without a number for all robots.
     pub arguments: Vec<String>,

@@ -50,7 +50,7 @@ pub struct Serial {
 #[derive(Clone, Debug)]
 enum Peer {
     Loopback,
-    /// A device that sends `bytes`, of which it has sent the first `sent` before the interface was last opened.
+    /// A device that sends `bytes`; it had sent the first `sent` of them before the interface was last opened.
     Device {
         bytes: Arc<[u8]>,
         sent: usize,

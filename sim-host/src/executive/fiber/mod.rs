@@ -142,7 +142,7 @@ enum Status {
     Broken,
 }
 
-/// State from which a suspended fiber continues.
+/// State that a suspended fiber continues from.
 struct Context {
     /// Stack pointer.
     sp: usize,

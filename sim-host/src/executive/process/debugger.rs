@@ -56,7 +56,7 @@ fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// Path by which another process can open descriptor `fd` of this process.
+/// Path at which another process can open descriptor `fd` of this process.
 pub fn file_of(fd: i32) -> PathBuf {
     PathBuf::from(format!("/proc/{}/fd/{fd}", std::process::id()))
 }
