@@ -5,9 +5,9 @@ import { blend, type MotionSource, mix, type Posture } from "./motion";
 import type { Detail, Pose, Postures, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
 
 /** Interval at which panels are updated during playback. */
-const TELL_MS = 100;
+const UPDATE_MS = 100;
 
-/** Maximum time between two postures that belong to one motion. */
+/** Maximum time between two postures of one continuous motion. */
 const STEP_S = 0.1;
 
 /** Plays a recording into the model as if it were a live run. */
@@ -18,7 +18,7 @@ export class RecordedSource implements Source, Player {
   private t_s = 0;
   private nextEvent = 0;
   private last_ms = 0;
-  private told_ms = 0;
+  private updated_ms = 0;
   private readonly lives = new Map<number, RobotHistory>();
 
   constructor(
@@ -52,17 +52,17 @@ export class RecordedSource implements Source, Player {
   play(): void {
     if (this.t_s >= this.duration_s) this.seek(0);
     this.isPlaying = true;
-    this.tell();
+    this.updateModel();
   }
 
   pause(): void {
     this.isPlaying = false;
-    this.tell();
+    this.updateModel();
   }
 
   setSpeed(speed: number): void {
     this.speed = speed;
-    this.tell();
+    this.updateModel();
   }
 
   seek(t_s: number): void {
@@ -72,7 +72,7 @@ export class RecordedSource implements Source, Player {
       this.model.forget();
     }
     this.t_s = to;
-    this.tell();
+    this.updateModel();
   }
 
   act(): Promise<void> {
@@ -80,7 +80,7 @@ export class RecordedSource implements Source, Player {
   }
 
   look(): void {
-    this.tellDetail();
+    this.updateDetail();
   }
 
   private tick(now_ms: number): void {
@@ -91,21 +91,21 @@ export class RecordedSource implements Source, Player {
     this.t_s = Math.min(this.duration_s, this.t_s + (this.speed * passed_ms) / 1000);
     this.model.clock.set(this.t_s);
     if (this.t_s >= this.duration_s) this.isPlaying = false;
-    if (now_ms - this.told_ms < TELL_MS && this.isPlaying) return;
-    this.told_ms = now_ms;
-    this.tell();
+    if (now_ms - this.updated_ms < UPDATE_MS && this.isPlaying) return;
+    this.updated_ms = now_ms;
+    this.updateModel();
   }
 
-  /** Updates the model to the time that is played. */
-  private tell(): void {
+  /** Updates the model to the time of the playback. */
+  private updateModel(): void {
     const { model, recording } = this;
     const first = this.nextEvent;
     while ((recording.events[this.nextEvent]?.t_s ?? Infinity) <= this.t_s) this.nextEvent++;
     if (this.nextEvent > first) model.receive({ type: "events", events: recording.events.slice(first, this.nextEvent), missed: 0 });
     model.receive({ type: "snapshot", ...this.snapshot() });
     model.clock.set(this.t_s);
-    this.tellDetail();
-    model.tell("player");
+    this.updateDetail();
+    model.notify("player");
   }
 
   private snapshot(): Snapshot {
@@ -138,7 +138,7 @@ export class RecordedSource implements Source, Player {
     return [{ id, motion: [piece], ...posture, standing, now_s: this.t_s, why, is_stalled: false }];
   }
 
-  private tellDetail(): void {
+  private updateDetail(): void {
     const robot = this.model.chosen;
     const life = robot === null ? undefined : this.lives.get(robot);
     if (robot === null || !life) return;

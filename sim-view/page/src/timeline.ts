@@ -1,10 +1,10 @@
-// The timeline below the 3D view: marks of past events and, for a recording, the time that is played.
+// The timeline below the 3D view: marks of past events and, for a recording, the playback time.
 
 import { element } from "./dom";
 import type { Model } from "./model";
 import type { Event } from "./protocol";
 
-/** Kinds of events that are marked, each with its colour; later ones, which are rarer, are taller and drawn on top. */
+/** Kinds of events that are marked, each with its colour. Later entries are rarer, and their marks are taller and drawn on top. */
 const MARKS: readonly { kinds: readonly string[]; name: string; colour: string }[] = [
   { kinds: ["radio_arrived", "radio_sent"], name: "radio", colour: "--radio" },
   { kinds: ["radio_lost"], name: "message lost", colour: "--warn" },

@@ -7,7 +7,7 @@ import { section, setText, whileOpen } from "./control";
 
 const VERDICT: Record<CheckVerdict, string> = { open: "open", met: "met", failed: "failed" };
 const SVG = "http://www.w3.org/2000/svg";
-/** Most points of a curve; more are thinned. */
+/** Maximum number of points of a curve; more points are thinned. */
 const MAX_POINTS = 2000;
 
 interface Row {

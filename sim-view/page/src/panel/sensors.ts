@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { section, setText, whileOpen } from "./control";
 import { act, onRights, whyNot } from "./notice";
 
-/** Time for which a switch keeps its new position until the reported state agrees, which may be after the answer. */
+/** Time for which a switch keeps its new position until the reported state agrees; this may take longer than the answer. */
 const HOLDS_MS = 1000;
 
 export function sensorsPanel(model: Model): HTMLElement {
@@ -62,7 +62,7 @@ export function sensorsPanel(model: Model): HTMLElement {
     const timer = setTimeout(release, HOLDS_MS);
     held.set(box, timer);
     const isDone = await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on: box.checked });
-    // A switch that was changed again meanwhile is held for that change.
+    // If the switch was changed again meanwhile, it keeps the newer position.
     if (!isDone && held.get(box) === timer) release();
   }
 }

@@ -137,7 +137,7 @@ export class DragControl {
     }
   }
 
-  /** Asks the run to place a body at its dragged pose, where it is displayed until the run has answered. */
+  /** Requests that the run place a body at its dragged pose; the body is displayed there until the run has answered. */
   private async place(body: BodyView): Promise<void> {
     const { held } = body;
     if (!held) return;

@@ -7,7 +7,10 @@ import type { Bodies } from "./bodies";
 import { Pen, type Colour } from "./pen";
 import { Sprites } from "./sprite";
 
-/** Real times for which a message is shown in flight and is visible altogether, whatever its simulated time of flight. */
+/**
+ * Real time for which a message is shown in flight, and for which it is visible in total; both are independent of its simulated time of
+ * flight.
+ */
 const FLIGHT_MS = 550;
 const SHOWN_MS = 1200;
 const CONTACT_MS = 900;
@@ -22,7 +25,7 @@ const CONTACT: Colour = [1, 0.25, 0.1];
 
 type Fate = "arrived" | "damaged" | "lost";
 
-/** A message from one robot to another; both are equal if it is lost where it was sent. */
+/** A message from one robot to another; if the message is lost at the sender, both are the sender. */
 interface Flight {
   from: number;
   to: number;

@@ -157,7 +157,7 @@ export class Marks {
     knob.end();
   }
 
-  /** Draws the chosen robot at its odometry pose, as of its last detail. */
+  /** Draws the chosen robot at its odometry pose, according to its last detail. */
   private drawGhost(): void {
     const { ghostPen: lines, ghostFill: fill } = this;
     lines.begin();

@@ -154,7 +154,7 @@ export class View {
     });
   }
 
-  /** Rebuilds the view for the model's scene, and frees the resources of the one before. */
+  /** Rebuilds the view for the model's scene, and frees the resources of the previous one. */
   private rebuild(): void {
     const { scene } = this.model;
     this.world?.dispose();
@@ -313,7 +313,7 @@ export class View {
   }
 }
 
-/** The 3D view, or without WebGL a message that says so. */
+/** The 3D view or, without WebGL, a message instead. */
 export function sceneView(model: Model): { element: HTMLElement; view: View | null } {
   try {
     const view = new View(model);
