@@ -34,7 +34,7 @@ impl Witness {
         self.number += 1;
         let t_s = f64::from(self.number);
         window.show(snapshot(t_s), vec![]);
-        while self.page.hear_type("snapshot")["t_s"] != t_s {}
+        while self.page.receive_type("snapshot")["t_s"] != t_s {}
         self.page.act(self.number);
         let mut pending = None;
         until("the command", || {
@@ -42,7 +42,7 @@ impl Witness {
             pending.is_some()
         });
         pending.unwrap().accept();
-        assert_eq!(self.page.hear_answer(), (u64::from(self.number), None));
+        assert_eq!(self.page.receive_answer(), (u64::from(self.number), None));
     }
 }
 
@@ -55,7 +55,7 @@ fn origins_and_hosts() {
         let head =
             format!("{host}{origin}{}\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n", upgrade.join("\r\n"));
         let mut stream = TcpStream::connect(window.address()).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream.write_all(format!("GET /ws HTTP/1.1\r\n{head}").as_bytes()).unwrap();
         let mut answer = [0; 2048];
         let length = stream.read(&mut answer).unwrap();
@@ -165,7 +165,7 @@ fn a_missing_page_says_why() {
 fn messages_that_are_none() {
     let window = local();
     let mut witness = Witness::new(&window);
-    let hello = |client: &mut Client| client.say(&json!({ "type": "hello", "protocol": 1, "token": null }));
+    let hello = |client: &mut Client| client.send_json(&json!({ "type": "hello", "protocol": 1, "token": null }));
     let nested = format!("{}{}", "[".repeat(30_000), "]".repeat(30_000));
     let deep = format!(r#"{{"type":"act","number":1,"command":{}}}"#, nested);
     for (text, why) in [
@@ -190,18 +190,18 @@ fn messages_that_are_none() {
             if !is_first {
                 hello(&mut client);
             }
-            client.say_text(text);
+            client.send_text(text);
             if is_first && text.contains("hello") {
                 continue;
             }
-            let (code, said) = client.hear_close().unwrap();
-            assert_eq!(code, 4400, "{said}");
-            assert!(said.contains(why), "{why}: {said}");
+            let (code, reason) = client.receive_close().unwrap();
+            assert_eq!(code, 4400, "{reason}");
+            assert!(reason.contains(why), "{why}: {reason}");
         }
     }
     let mut client = Client::connect(&window);
     client.send(Message::binary(vec![0xff; 1000])).unwrap();
-    assert_eq!(client.hear_close(), Some((1003, "messages are texts".into())));
+    assert_eq!(client.receive_close(), Some((1003, "messages are texts".into())));
     witness.check(&window);
 }
 
@@ -213,14 +213,14 @@ fn messages_that_are_too_long() {
         let (mut client, _) = Client::hello(&window, None);
         // The server reads the length only, and may have disconnected before all is sent.
         let sent = client.send(Message::text("x".repeat(bytes)));
-        if let Some(close) = client.hear_close() {
+        if let Some(close) = client.receive_close() {
             assert_eq!(close, (1009, "messages have at most 65536 bytes".into()), "{sent:?}");
         }
         witness.check(&window);
     }
     let (mut client, _) = Client::hello(&window, None);
-    client.say_text(&format!("{}{{", " ".repeat(65_535)));
-    assert_eq!(client.hear_close().unwrap().0, 4400, "65,536 bytes are read");
+    client.send_text(&format!("{}{{", " ".repeat(65_535)));
+    assert_eq!(client.receive_close().unwrap().0, 4400, "65,536 bytes are read");
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn a_thousand_connections() {
     assert!(held.len() >= 400, "{}", held.len());
     witness.check(&window);
     for mut stream in held {
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         let mut answer = Vec::new();
         let is_over = match stream.read_to_end(&mut answer) {
             Ok(_) => true,
@@ -264,7 +264,7 @@ fn more_pages_than_there_is_room_for() {
         match other {
             Ok(client) => {
                 turned_away += 1;
-                assert_eq!(client.hear_close(), Some((1013, "64 pages are open already".into())));
+                assert_eq!(client.receive_close(), Some((1013, "64 pages are open already".into())));
             }
             Err(why) => assert!(why.contains("503"), "{why}"),
         }
@@ -273,7 +273,7 @@ fn more_pages_than_there_is_room_for() {
     assert_eq!(window.pages(), 64);
     window.show(snapshot(1.0), vec![]);
     for page in &mut pages {
-        page.hear_type("snapshot");
+        page.receive_type("snapshot");
     }
     drop((pages, others));
     until("all have gone", || window.pages() == 0);
@@ -289,11 +289,11 @@ fn a_flood_of_commands_is_refused() {
         flood.act(number);
     }
     for number in 33..=200 {
-        assert_eq!(flood.hear_answer(), (number, Some("too many commands of this page wait already".into())));
+        assert_eq!(flood.receive_answer(), (number, Some("too many commands of this page wait already".into())));
     }
     for number in 1..=32 {
         window.commands().try_recv().unwrap().accept();
-        assert_eq!(flood.hear_answer(), (number, None));
+        assert_eq!(flood.receive_answer(), (number, None));
     }
     witness.check(&window);
     // Many pages send commands that are not taken: 256 wait, the others are refused.
@@ -305,12 +305,12 @@ fn a_flood_of_commands_is_refused() {
     }
     for page in &mut pages[8..] {
         for number in 1..=32 {
-            assert_eq!(page.hear_answer(), (number, Some("too many commands wait already".into())));
+            assert_eq!(page.receive_answer(), (number, Some("too many commands wait already".into())));
         }
     }
     assert_eq!(std::iter::from_fn(|| window.commands().try_recv()).map(|pending| pending.accept()).count(), 256);
     for page in &mut pages[..8] {
-        (1..=32).for_each(|number| assert_eq!(page.hear_answer(), (number, None)));
+        (1..=32).for_each(|number| assert_eq!(page.receive_answer(), (number, None)));
     }
 }
 

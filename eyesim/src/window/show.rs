@@ -115,11 +115,11 @@ impl Show {
         self.body_poses = body_poses(run, world);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
-            self.window.tell(events);
+            self.window.add_events(events);
             return;
         }
         self.set_scene(run, world);
-        self.window.tell(events);
+        self.window.add_events(events);
         let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
         let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
