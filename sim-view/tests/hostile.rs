@@ -1,4 +1,4 @@
-//! Hostile clients: the server refuses or survives them, and still serves the others.
+//! Hostile clients: the server refuses or survives them, and continues to serve all other clients.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by them")]
 
@@ -24,7 +24,7 @@ impl Witness {
         Witness { page: Client::hello(window, None).0, number: 0 }
     }
 
-    /// Checks that this page, and another that connects now, can watch and act.
+    /// Checks that this page, and another page that connects now, can watch and act.
     fn check(&mut self, window: &Window) {
         self.check_alone(window);
         Witness::new(window).check_alone(window);
@@ -154,7 +154,7 @@ fn requests() {
 }
 
 #[test]
-fn a_missing_page_says_why() {
+fn a_missing_page_shows_the_reason() {
     let window = Window::open(options("127.0.0.1:0", Access::Local), Page::missing("there is no Node.js")).unwrap();
     let answer = get(&window, "/", &[&format!("Host: {}", window.address())]);
     assert!(answer.starts_with("HTTP/1.1 503 ") && answer.ends_with("there is no Node.js"), "{answer}");
@@ -162,7 +162,7 @@ fn a_missing_page_says_why() {
 }
 
 #[test]
-fn messages_that_are_none() {
+fn malformed_messages_are_refused() {
     let window = local();
     let mut witness = Witness::new(&window);
     let hello = |client: &mut Client| client.send_json(&json!({ "type": "hello", "protocol": 1, "token": null }));
@@ -206,12 +206,12 @@ fn messages_that_are_none() {
 }
 
 #[test]
-fn messages_that_are_too_long() {
+fn too_long_messages_are_refused() {
     let window = local();
     let mut witness = Witness::new(&window);
     for bytes in [65_537, 10_000_000] {
         let (mut client, _) = Client::hello(&window, None);
-        // The server reads the length only, and may have disconnected before all is sent.
+        // The server reads only the length of the message, and may disconnect before the message is sent completely.
         let sent = client.send(Message::text("x".repeat(bytes)));
         if let Some(close) = client.receive_close() {
             assert_eq!(close, (1009, "messages have at most 65536 bytes".into()), "{sent:?}");
@@ -229,7 +229,7 @@ fn a_thousand_connections() {
     let mut witness = Witness::new(&window);
     let mut held = Vec::new();
     for number in 0..1_000 {
-        // If the system has fewer descriptors, fewer connections must do.
+        // If the system allows fewer descriptors, the test opens fewer connections.
         let Ok(mut stream) = TcpStream::connect(window.address()) else { break };
         if number % 2 == 0 {
             // A client that sends its request slowly.
@@ -255,7 +255,7 @@ fn a_thousand_connections() {
 }
 
 #[test]
-fn more_pages_than_there_is_room_for() {
+fn too_many_pages_are_refused() {
     let window = local();
     let mut pages: Vec<_> = (0..64).map(|_| Client::hello(&window, None).0).collect();
     let mut others: Vec<_> = (0..100).map(|_| Client::try_connect(&window)).collect();
@@ -296,7 +296,7 @@ fn a_flood_of_commands_is_refused() {
         assert_eq!(flood.receive_answer(), (number, None));
     }
     witness.check(&window);
-    // Many pages send commands that are not taken: 256 wait, the others are refused.
+    // Many pages send commands that the simulation does not take: 256 commands wait, all others are refused.
     let mut pages: Vec<_> = (0..10).map(|_| Client::hello(&window, None).0).collect();
     for (page, robot) in pages.iter_mut().zip(1..) {
         (1..=32).for_each(|number| page.act(number));

@@ -21,7 +21,7 @@ fn next(window: &Window) -> PendingCommand {
 }
 
 #[test]
-fn hello_is_answered_with_all_there_is_to_see() {
+fn hello_is_answered_with_the_whole_state() {
     let window = local();
     assert!(!window.has_pages());
     window.show_scene(scene(1));
@@ -51,7 +51,7 @@ fn hello_is_answered_with_all_there_is_to_see() {
 }
 
 #[test]
-fn layers_go_to_pages_that_look_at_their_robot() {
+fn layers_go_to_pages_that_have_selected_the_robot() {
     let window = local();
     window.show_scene(scene(1));
     let layer = |robot, name: &str, t_s| Layer {
@@ -111,7 +111,7 @@ fn first_message_decides() {
 }
 
 #[test]
-fn only_who_has_the_token_may_act() {
+fn only_pages_with_the_token_may_act() {
     let window = class();
     assert_eq!(window.url(), format!("http://{}/#token=secret", window.address()));
     assert_eq!(window.public_url(), format!("http://{}/", window.address()));
@@ -158,7 +158,7 @@ fn commands_are_answered_by_their_numbers() {
 }
 
 #[test]
-fn looks_of_all_pages_are_merged() {
+fn selections_of_all_pages_are_merged() {
     let window = local();
     let (mut one, _) = Client::hello(&window, None);
     let (mut other, _) = Client::hello(&window, None);
@@ -176,7 +176,7 @@ fn looks_of_all_pages_are_merged() {
 }
 
 #[test]
-fn a_look_ends_the_wait_for_commands() {
+fn a_selection_ends_the_wait_for_commands() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(1), false);
@@ -206,7 +206,7 @@ fn display_comes_once_and_to_each_page() {
     let message = late.receive_type("detail");
     assert_eq!((&message["t_s"], &message["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
 
-    // A picture that is overtaken by a later detail without one is not lost.
+    // A picture is not lost if a later detail without a picture overtakes its detail.
     window.show(snapshot(2.0), vec![detail(1, 2.0, Some("data:c"))]);
     window.show(snapshot(3.0), vec![detail(1, 3.0, None)]);
     for page in [&mut page, &mut late] {
@@ -226,7 +226,7 @@ fn display_comes_once_and_to_each_page() {
     page.look(Some(1), false);
     assert_eq!(page.receive_type("detail")["lcd"]["url"], "data:c");
 
-    // Nothing is kept from another run.
+    // No state of the previous run is kept.
     window.show_scene(scene(2));
     let mut of_next_run = detail(1, 0.0, None);
     of_next_run.run = 2;
@@ -268,7 +268,7 @@ fn events_are_kept_and_counted() {
 }
 
 #[test]
-fn calls_go_to_who_looks_at_them() {
+fn calls_go_to_pages_that_request_them() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(2), true);
@@ -282,7 +282,7 @@ fn calls_go_to_who_looks_at_them() {
 }
 
 #[test]
-fn who_comes_back_sees_everything_again() {
+fn a_reconnected_page_gets_the_whole_state_again() {
     let window = local();
     window.show_scene(scene(1));
     window.show(snapshot(1.0), vec![]);
@@ -296,7 +296,7 @@ fn who_comes_back_sees_everything_again() {
 }
 
 #[test]
-fn a_page_that_stalls_holds_up_nobody() {
+fn a_stalled_page_delays_no_other_page() {
     const LAST: u32 = 600;
     let window = local();
     let (mut stalled, _) = Client::hello(&window, None);
@@ -304,7 +304,7 @@ fn a_page_that_stalls_holds_up_nobody() {
     page.act(1);
     next(&window).accept();
     page.receive_answer();
-    // 60 MB, far more than what systems keep for a connection.
+    // 60 MB, far more than a system buffers for a connection.
     for number in 1..=LAST {
         let mut big = snapshot(f64::from(number));
         big.state = sim_view::protocol::RunState::Ended { why: "x".repeat(100_000), digest: String::new() };
@@ -325,7 +325,7 @@ fn a_page_that_stalls_holds_up_nobody() {
 }
 
 #[test]
-fn a_page_that_says_nothing_is_dropped() {
+fn a_silent_page_is_disconnected() {
     let window = local();
     let (_silent, _) = Client::hello(&window, None);
     let (mut page, _) = Client::hello(&window, None);
@@ -341,7 +341,7 @@ fn a_page_that_says_nothing_is_dropped() {
 }
 
 #[test]
-fn closing_says_goodbye() {
+fn closing_sends_a_close_frame() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     let mut silent = Client::connect(&window);

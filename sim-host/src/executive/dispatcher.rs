@@ -22,7 +22,7 @@ use sim_core::world::World;
 
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
-use super::team::WorkerPool;
+use super::shared_loop::WorkerPool;
 use crate::program::load::robots_per_turn;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
@@ -63,7 +63,7 @@ pub struct Dispatcher {
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
-    /// Memory that lists of references reuse from slot to slot.
+    /// Allocation that lists of references reuse from slot to slot.
     spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
 }
@@ -292,14 +292,14 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes back `robot` and the robots that were released with it; `robot` is the last one of them that came back to the
-    /// barrier (see [`ReturnQueue::put`]).
+    /// Processes the return to the barrier of `robot` and of the robots that were released with it; `robot` is the last
+    /// one of them that came back (see [`ReturnQueue::put`]).
     pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
         self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
     }
 
-    /// Takes back the robots of a worker that have come back to the barrier.
+    /// Processes the robots of a worker that have come back to the barrier.
     fn take_returns(&mut self, run: &Run, worker: usize) {
         let mut returns = std::mem::take(&mut *run.returns(worker).returns.lock());
         for Return { robot, wake, has_requests, awaits_step } in returns.drain(..) {

@@ -30,10 +30,10 @@ mod reason;
 pub mod run;
 pub mod scheduler;
 pub mod script;
+pub mod shared_loop;
 pub mod signal;
 pub mod spawn;
 pub mod subreaper;
-pub mod team;
 pub mod thread;
 pub mod watchdog;
 
@@ -97,7 +97,7 @@ pub trait Executor: Send + Sync {
 
     /// Runs a loop of the scheduler step on the calling thread, and on idle workers. Returns when no thread uses the
     /// job any more.
-    fn run_loop(&self, job: &team::Job) {
+    fn run_loop(&self, job: &shared_loop::Job) {
         job.work();
     }
 

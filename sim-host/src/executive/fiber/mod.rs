@@ -34,8 +34,8 @@ use super::prefetch::prefetch;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::run::Member;
+use super::shared_loop::{Job, SharedLoop};
 use super::signal::{self, FiberExits, FlowBlock, Handlers};
-use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage, interrupt};
@@ -54,7 +54,7 @@ pub struct FiberExecutor {
     /// The workers' threads, until they are joined.
     threads: Mutex<Vec<RunningWorker>>,
     /// The parallel loop with which idle workers help.
-    team: Arc<Team>,
+    shared_loop: Arc<SharedLoop>,
     stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
@@ -78,7 +78,7 @@ struct Worker {
     /// The worker waits in the kernel, which takes microseconds to wake a thread.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
-    team: Arc<Team>,
+    shared_loop: Arc<SharedLoop>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
     /// Context of the worker while a fiber runs, to which the fiber returns. Used only by the worker's thread.
@@ -169,7 +169,7 @@ impl FiberExecutor {
             worker_count: workers,
             workers: OnceLock::new(),
             threads: Mutex::default(),
-            team: Arc::default(),
+            shared_loop: Arc::default(),
             stacks: Arc::default(),
             notifier: OnceLock::new(),
         }
@@ -197,7 +197,7 @@ impl FiberExecutor {
         if self.workers.get().is_none() {
             let mut running = self.threads.lock();
             while running.len() < self.worker_count {
-                let worker = RunningWorker::start(running.len(), self.notifier(), &self.team)?;
+                let worker = RunningWorker::start(running.len(), self.notifier(), &self.shared_loop)?;
                 running.push(worker);
             }
             self.workers.get_or_init(|| running.iter().map(|running| Arc::clone(&running.worker)).collect());
@@ -207,7 +207,7 @@ impl FiberExecutor {
 }
 
 impl RunningWorker {
-    fn start(number: usize, notifier: &Arc<Notifier>, team: &Arc<Team>) -> io::Result<Self> {
+    fn start(number: usize, notifier: &Arc<Notifier>, shared_loop: &Arc<SharedLoop>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
             block: FlowBlock::of_thread(Arc::clone(notifier)),
             queue: Mutex::default(),
@@ -215,7 +215,7 @@ impl RunningWorker {
             residents: AtomicUsize::new(0),
             is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
-            team: Arc::clone(team),
+            shared_loop: Arc::clone(shared_loop),
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
             is_ending: AtomicBool::new(false),
@@ -347,11 +347,11 @@ impl Worker {
             if must_return() {
                 return;
             }
-            spins = if self.team.help(&mut seen) { 0 } else { spins + 1 };
+            spins = if self.shared_loop.help(&mut seen) { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !must_return() && !self.team.has_job(seen) {
+        if !must_return() && !self.shared_loop.has_job(seen) {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -647,7 +647,7 @@ impl Executor for FiberExecutor {
             let workers = self.workers.get().into_iter().flatten();
             workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());
         };
-        self.team.lead(job, wake_workers);
+        self.shared_loop.run(job, wake_workers);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
