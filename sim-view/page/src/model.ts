@@ -152,8 +152,8 @@ export class Model {
   }
 
   /** Requests the chosen robot's camera image and calls, or stops them. */
-  look(wish: { camera?: boolean; calls?: boolean }): void {
-    this.want({ ...this.wanted, ...wish });
+  look(change: { camera?: boolean; calls?: boolean }): void {
+    this.want({ ...this.wanted, ...change });
   }
 
   /** Shows the panels of a robot; null for no robot. */

@@ -40,9 +40,9 @@ export function section(title: string, testid: string, open: boolean, children: 
 
 /** Returns a function that schedules `draw` while the section is open; opening the section also schedules it. */
 export function whileOpen(panel: HTMLDetailsElement, draw: () => void, pause_ms = 100): () => void {
-  const soon = throttled(draw, pause_ms);
-  panel.addEventListener("toggle", () => panel.open && soon());
-  return () => panel.open && soon();
+  const scheduleDraw = throttled(draw, pause_ms);
+  panel.addEventListener("toggle", () => panel.open && scheduleDraw());
+  return () => panel.open && scheduleDraw();
 }
 
 /** Throttles `f`: calls it at once, then at most once per pause; calls during a pause run `f` once at its end. */

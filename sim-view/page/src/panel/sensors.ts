@@ -15,8 +15,8 @@ export function sensorsPanel(model: Model): HTMLElement {
   const boxes = new Map<string, HTMLInputElement>();
   const held = new Map<HTMLInputElement, ReturnType<typeof setTimeout>>();
   let key = "";
-  const soon = whileOpen(panel, draw);
-  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw);
+  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, scheduleDraw);
   onRights(model, draw);
   return panel;
 
@@ -56,7 +56,7 @@ export function sensorsPanel(model: Model): HTMLElement {
     const release = () => {
       clearTimeout(held.get(box));
       held.delete(box);
-      soon();
+      scheduleDraw();
     };
     clearTimeout(held.get(box));
     const timer = setTimeout(release, HOLDS_MS);
