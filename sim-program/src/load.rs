@@ -256,7 +256,7 @@ impl LoadedProgram {
     }
 
     /// A location in this program as text, such as `maze.c:88`.
-    pub fn place_of(&self, site: &CallSite) -> Option<String> {
+    pub fn location_of(&self, site: &CallSite) -> Option<String> {
         let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
             // A return address lies after the call instruction.

@@ -44,7 +44,7 @@ pub fn of_process() -> io::Result<Interrupt> {
     if *is_installed {
         return Ok(interrupt);
     }
-    if Handlers::are_held() {
+    if Handlers::are_installed() {
         return Err(io::Error::other("a run is going on already"));
     }
     // A program that lowers the limit of file sizes makes writing fail, which is reported, instead of ending the process.
@@ -186,7 +186,7 @@ extern "C" fn on_foreign_fault(signal: i32) {
         overwritten: such threads are outside the guarantee; the run ends here, the trace is complete up to the last slot\n";
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
-    if is_first_thread || !Handlers::are_held() {
+    if is_first_thread || !Handlers::are_installed() {
         // A fault of the host itself: the default action ends the process when the instruction is tried again.
         return default_action(signal);
     }

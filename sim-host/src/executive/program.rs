@@ -165,7 +165,7 @@ impl RobotProgram {
     /// A location in this program as text, such as `maze.c:88`.
     pub fn location_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
-            (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
+            (Self::InHost { program, .. }, Site::InHost(site)) => program.location_of(site),
             (Self::Process(program), Site::Reported(site)) => program.location_of(site),
             (Self::InHost { .. } | Self::Embedded(_), Site::Reported(site)) => site.line(),
             _ => None,

@@ -430,7 +430,7 @@ impl Handlers {
     ///
     /// # Errors
     /// The kernel refuses a handler.
-    pub fn hold() -> io::Result<Self> {
+    pub fn install() -> io::Result<Self> {
         let mut state = HANDLER_STATE.lock();
         if state.count == 0 {
             state.install().inspect_err(|_| state.restore())?;
@@ -453,7 +453,7 @@ impl Handlers {
     }
 
     /// Returns true while any value of this type lives.
-    pub fn are_held() -> bool {
+    pub fn are_installed() -> bool {
         ARE_INSTALLED.load(Ordering::Acquire)
     }
 }
@@ -581,7 +581,7 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
 /// # Errors
 /// The kernel refuses a handler.
 pub fn install_in_child() -> io::Result<()> {
-    std::mem::forget(Handlers::hold()?);
+    std::mem::forget(Handlers::install()?);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGQUIT] {
         // SAFETY: no handler.
         unsafe { change_action(signal, Some(&action(libc::SIG_IGN, 0))) }?;
@@ -844,14 +844,14 @@ mod tests {
         // SAFETY: a handler without SA_SIGINFO gets a number, and stores it.
         let previous =
             unsafe { change_action(OVERDUE_SIGNAL, Some(&action(receive as *const () as usize, 0))) }.unwrap();
-        let held = [Handlers::hold().unwrap(), Handlers::hold().unwrap()];
+        let held = [Handlers::install().unwrap(), Handlers::install().unwrap()];
         assert_eq!(handler(), on_fault as *const () as usize);
         // SAFETY: raise takes no pointer.
         unsafe { libc::raise(OVERDUE_SIGNAL) };
         assert_eq!(RECEIVED.load(Ordering::Relaxed), OVERDUE_SIGNAL);
         let [first, second] = held;
         drop(first);
-        assert!(Handlers::are_held());
+        assert!(Handlers::are_installed());
         drop(second);
         assert_eq!(handler(), receive as *const () as usize);
         // SAFETY: the previous action came from the kernel.

@@ -149,7 +149,7 @@ impl ThreadFlow {
             is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
             timer: Mutex::default(),
-            _handlers: Handlers::hold()?,
+            _handlers: Handlers::install()?,
         })
     }
 

@@ -192,7 +192,7 @@ impl Sandbox {
 
     /// Its record in a report.
     pub fn report(&self) -> SandboxReport {
-        let means = |area: Area| Some((area.word().to_owned(), self.kernel.means(area).ok()?));
+        let means = |area: Area| Some((area.word().to_owned(), self.kernel.describe_means(area).ok()?));
         SandboxReport { level: self.level.word().to_owned(), closed: self.level.areas().filter_map(means).collect() }
     }
 

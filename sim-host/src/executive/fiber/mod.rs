@@ -219,7 +219,7 @@ impl RunningWorker {
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
             is_ending: AtomicBool::new(false),
-            _handlers: Handlers::hold()?,
+            _handlers: Handlers::install()?,
         });
         let own_worker = Arc::clone(&worker);
         let (sender, receiver) = mpsc::sync_channel(1);

@@ -21,7 +21,7 @@ pub struct Debugger {
 
 impl Debugger {
     /// Returns true if gdb is installed.
-    pub fn is_there() -> bool {
+    pub fn is_installed() -> bool {
         let mut command = Command::new(GDB);
         command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command.status().is_ok_and(|status| status.success())
