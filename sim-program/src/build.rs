@@ -69,7 +69,7 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltProgram {
-    /// The shared library; the file of a Python program; the name of an embedded program.
+    /// The shared library, the file of a Python program, or the name of an embedded program.
     pub library: PathBuf,
     /// Source of the program.
     pub source: ProgramSource,

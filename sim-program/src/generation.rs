@@ -264,12 +264,17 @@ pub enum GenerationError {
     Include(PathBuf),
 }
 
-/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies: the generation that `hint` states;
-/// the only generation that has the functions called; the only one that has the constants and types used; the generation of the dialect;
-/// RoBIOS 6. Headers of the program are scanned, too.
+/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies:
+/// 1. the generation that `hint` states,
+/// 2. the only generation that has the functions called,
+/// 3. the only generation that has the constants and types used,
+/// 4. the generation of the dialect,
+/// 5. RoBIOS 6.
 ///
-/// The functions called take precedence over the dialect: in the dialect of one generation, sim files also name programs of the other
-/// one, which do not compile with the wrong header. Source: our choice.
+/// Headers of the program are scanned, too.
+///
+/// The functions called take precedence over the dialect: sim files in the dialect of one generation also name programs
+/// of the other generation, which do not compile with the wrong header. Source: our choice.
 ///
 /// If `folders` are given, whose paths must not contain links, only files in them are scanned.
 ///

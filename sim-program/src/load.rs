@@ -225,8 +225,9 @@ impl LoadedProgram {
         self.image.source_line(self.offset(address)?)
     }
 
-    /// The line in the program's own sources to which a call stack leads: `addresses` are the program counter, then return
-    /// addresses, innermost first; those outside of this copy are skipped. See [`ProgramImage::own_source_line`].
+    /// The line in the program's own sources to which a call stack leads. `addresses` are the program counter, then
+    /// return addresses, innermost first; addresses outside of this copy are skipped. See
+    /// [`ProgramImage::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         // An address outside of the copy becomes an offset outside of its image.
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));

@@ -1228,7 +1228,8 @@ fn print_arguments(code: &str) -> Option<&str> {
     ["LCDPrintf(", "printf(", "std::printf("].iter().find_map(|call| code.strip_prefix(call))
 }
 
-/// The keyword that `word` resembles: their edit distance is at most 1, or 2 for long keywords; swapped neighbouring letters are one edit.
+/// The keyword that `word` resembles. Their edit distance is at most 1, or 2 for long keywords; swapped neighbouring
+/// letters are one edit.
 fn similar_keyword(word: &str) -> Option<&'static str> {
     let max_distance = |keyword: &str| {
         let has_same_start = word.len().abs_diff(keyword.len()) <= 1 && word.chars().next() == keyword.chars().next();
@@ -1353,8 +1354,8 @@ fn array_length(kind: &str) -> Option<u64> {
     kind.split_once('[')?.1.split(']').next()?.parse().ok()
 }
 
-/// Explains the length of an array and its indices: ``, which has 4 elements with the indices 0 to 3``; a general rule if the length is
-/// unknown.
+/// Describes the length of an array and its indices: ``, which has 4 elements with the indices 0 to 3``; returns a
+/// general rule if the length is unknown.
 fn valid_indices(len: Option<u64>) -> String {
     match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
         Some((1, _)) => ", which has 1 element with the index 0".to_owned(),

@@ -1,4 +1,5 @@
-//! `eyesim pack`: writes a scene or a suite with everything that its runs read into one archive; the other commands open archives.
+//! `eyesim pack`: writes a scene or a suite into one archive, with everything that its runs read; opens archives for
+//! the other commands.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,4 @@
-//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, where a later call continues; also shows
+//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, which a later call continues. Also shows
 //! the status of a folder and merges its rows.
 
 use std::collections::{BTreeMap, BTreeSet};

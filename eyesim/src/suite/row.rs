@@ -14,8 +14,8 @@ pub const ROW_SCHEMA: u32 = 1;
 pub struct Row {
     /// [`ROW_SCHEMA`].
     pub schema: u32,
-    /// Hash of the case, its inputs, its limits and the version of eyesim: 32 hexadecimal digits; empty if the inputs could not be
-    /// read.
+    /// Hash of the case, its inputs, its limits and the version of eyesim, as 32 hexadecimal digits; empty if the
+    /// inputs could not be read.
     pub key: String,
     /// Path of the suite.
     pub suite: String,

@@ -1,5 +1,5 @@
-//! Verdicts on the checks of a scene: [`sim_core::check`] judges checks on motion and a [`Tally`] checks on events; the
-//! report and the user's programs decide all others.
+//! Verdicts on the checks of a scene. [`sim_core::check`] judges checks on motion, and a [`Tally`] judges checks on
+//! events; the report and the user's programs decide all others.
 
 mod metric;
 mod prints;

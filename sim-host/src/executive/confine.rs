@@ -1,5 +1,6 @@
-//! Seccomp filters for the system calls that a program must not make: on a thread of the host, the calls that end,
-//! replace or trace the whole process; in a process of its own, the calls that send signals to the host or trace it.
+//! Seccomp filters for the system calls that a program must not make. On a thread of the host, these are the calls that
+//! end, replace or trace the whole process. In a process of its own, they are the calls that send signals to the host
+//! or trace it.
 //!
 //! A filter turns such a call into a fault of the thread (SIGSYS), which is reported like any other fault. All threads
 //! of programs get the filter, since the imports of a program do not show its assembly code. The kernel caches the set

@@ -1,12 +1,14 @@
 //! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next one.
 //!
 //! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it
-//! advances the world and releases the next robots, slot after slot up to the horizon that the run's owner has set, so
-//! a single robot needs no hand-over at all. At the horizon the run pauses until its owner advances it again. At most
-//! `workers` robots run at the same time, one on each worker; their order does not influence results, since robots
-//! interact only at the slots' ends. A worker switches between its own robots as long as it can, since waking a thread
-//! on another processor costs several times as much; it steals robots of another worker only when it would be idle
-//! otherwise.
+//! advances the world and releases the next robots. It does this slot after slot, up to the horizon that the run's
+//! owner has set, so a single robot needs no hand-over. At the horizon the run pauses until its owner advances it
+//! again.
+//!
+//! At most `workers` robots run at the same time, one on each worker. Their order does not influence results, since
+//! robots interact only at the slots' ends. A worker switches between its own robots as long as it can, since waking a
+//! thread on another processor costs several times as much. It steals robots of another worker only when it would be
+//! idle otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -179,8 +181,8 @@ pub struct BarrierOutcome {
 pub struct Boundary {
     /// Start of the slot after the one that has ended.
     pub following: Time,
-    /// Start of the next slot in which anything happens, `following` or later; `None` if nothing happens any more without an
-    /// intervention: no program is alive, or all wait for something that cannot happen.
+    /// Start of the next slot in which anything happens, `following` or later. `None` if nothing happens any more
+    /// without an intervention, because no program is alive, or all wait for something that cannot happen.
     pub next: Option<Time>,
     /// End of the run: no slot begins at or after it.
     pub limit: Time,

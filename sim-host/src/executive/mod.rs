@@ -2,9 +2,9 @@
 //!
 //! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread
 //! for each flow, which serves the robot's [`process`] if it has one; [`fiber`] implements it with fibers. Code above
-//! the trait is independent of the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run
-//! queues, and [`scheduler`] is the handle with which the owner of a run, such as [`script`] or the window, advances it.
-//! Below the trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
+//! the trait is independent of the kind of flow. There, [`run`] is the state that flows share, [`dispatcher`] holds the
+//! run queues, and the owner of a run, such as [`script`] or the window, advances it through [`scheduler`]. Below the
+//! trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
 
 mod answer;
 pub mod confine;

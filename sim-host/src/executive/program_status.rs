@@ -81,13 +81,13 @@ pub struct RunEnd<'a> {
 /// Programs that could still send a message to a robot that waits for one when the run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PossibleSenders {
-    /// None: the waiting program is the only one.
+    /// No other robot has a program.
     None,
-    /// None: all other programs have ended.
+    /// All other programs have ended.
     Ended,
-    /// Other programs that have not ended, but all of them wait for messages.
+    /// Some other programs have not ended, but all of them wait for messages.
     Waiting,
-    /// A program that waits for something else.
+    /// Another program has not ended, and waits for something else.
     Other,
 }
 

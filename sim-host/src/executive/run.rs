@@ -516,8 +516,8 @@ impl Run {
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run continues
-    /// without it. For `deadline` see [`Dispatcher::advance`].
+    /// Ends robot `id` in the run, which continues without it: stops its motors, ends its radio and takes it out of the
+    /// schedule. For `deadline` see [`Dispatcher::advance`].
     pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);

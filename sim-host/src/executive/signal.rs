@@ -419,8 +419,8 @@ struct PreviousAction {
     flags: AtomicI32,
 }
 
-/// The previous actions of [`CAUGHT_SIGNALS`]; valid once our handler has been installed, and kept after
-/// that: other code may chain to our handler later.
+/// The previous actions of [`CAUGHT_SIGNALS`], valid once our handler has been installed. They are kept after that,
+/// since other code may chain to our handler later.
 static PREVIOUS_ACTIONS: [PreviousAction; CAUGHT_SIGNALS.len()] =
     [const { PreviousAction { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } };
         CAUGHT_SIGNALS.len()];

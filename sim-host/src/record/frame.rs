@@ -64,8 +64,9 @@ impl Pixels<'_> {
         }
     }
 
-    /// Encodes the image as PNG: colours and greys with 8 bits; depths with 16 bits, in mm, 0 for the sky, 65535 for this distance
-    /// or a larger one; labels as their numbers, with a palette if none exceeds 255, otherwise with 16 bits.
+    /// Encodes the image as PNG. Colours and greys have 8 bits. Depths have 16 bits, in mm; 0 is the sky, and 65535 is
+    /// this distance or a larger one. Labels are stored as their numbers, with a palette if none exceeds 255, otherwise
+    /// with 16 bits.
     pub fn png(&self, size: [u32; 2]) -> Vec<u8> {
         match self {
             Self::Colour(bytes) => png::colour(size, bytes),

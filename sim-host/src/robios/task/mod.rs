@@ -1,9 +1,9 @@
 //! Tasks of a robot: which task runs, which are ready, and what each of them waits for.
 //!
-//! One task runs at a time. The threads of a program take turns in order of their numbers, at the first call that ends
-//! at or after a tick of the global 10 ms grid, and whenever the running one has to wait; once RoBIOS 6 multi-tasking
-//! has started, its [`scheduler`] decides. All of this is a function of virtual time and of the tasks' calls; the
-//! executor implements the transfer of control from one task to another.
+//! One task runs at a time. The threads of a program take turns in order of their numbers: at the first call that ends
+//! at or after a tick of the global 10 ms grid, and whenever the running thread has to wait. Once RoBIOS 6
+//! multi-tasking has started, its [`scheduler`] decides instead. All of this is a function of virtual time and of the
+//! tasks' calls; the executor implements the transfer of control from one task to another.
 
 #[cfg(test)]
 mod oracle;
@@ -558,7 +558,8 @@ impl Tasks {
         self.list[self.current].waiting = Some(waiting);
     }
 
-    /// Kills a task: it runs before all others, to unwind; then the running task continues, if it is another one.
+    /// Kills a task. It runs before all other tasks, to unwind; then the running task continues, unless it is the
+    /// killed one.
     pub fn kill(&mut self, now: Time, number: u32) {
         self.advance_in_call(now);
         let current = self.current().number;
@@ -591,7 +592,7 @@ impl Tasks {
         self.current().kill_state != KillState::None
     }
 
-    /// Releases semaphore `number`: the first waiting task passes, or the count rises; returns false if there is no
+    /// Releases semaphore `number`: the first waiting task passes, or the count rises. Returns false if there is no
     /// such semaphore or its count is at its limit.
     pub fn release_semaphore(&mut self, number: u32) -> bool {
         let Some(first) = self.semaphores.release(number) else { return false };

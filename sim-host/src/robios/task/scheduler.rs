@@ -1,11 +1,12 @@
-//! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine driven only by
-//! virtual time.
+//! Scheduler of RoBIOS 6: a state machine, driven only by virtual time, that determines which of a robot's tasks has
+//! the processor.
 //!
 //! Priorities are strict; tasks of equal priority take turns (round robin), in order of readiness. A task that waits
-//! for the world (a busy wait) keeps its fraction of the processor; a task that sleeps, waits for another task or is
-//! suspended has none. Time slices end at the ticks of the global 10 ms grid. The transfer of control between tasks is
-//! not part of this model: turns of tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only
-//! tasks that have something to do.
+//! for the world (a busy wait) keeps its fraction of the processor. A task that sleeps, waits for another task or is
+//! suspended has none. Time slices end at the ticks of the global 10 ms grid.
+//!
+//! The transfer of control between tasks is not part of this model. It computes turns of tasks in busy waits in closed
+//! form, and [`Scheduler::next`] names only tasks that have something to do.
 
 use std::collections::VecDeque;
 
