@@ -446,7 +446,7 @@ impl Builder {
         for source in sources {
             add(source.as_os_str().as_encoded_bytes());
             add(&read_regular(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
-            // A new header beside a source may take precedence over one that was included from elsewhere.
+            // A new header in the folder of a source may take precedence over one that was included from elsewhere.
             for header in headers_beside(source) {
                 add(header.as_os_str().as_encoded_bytes());
             }

@@ -226,7 +226,7 @@ impl<'a> Compilation<'a> {
         variants.split_off(1)
     }
 
-    /// RoBIOS headers of any version beside the first source, which would take precedence over ours.
+    /// RoBIOS headers of any version in the folder of the first source; they would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
         beside.filter(|path| is_robios_header(path)).collect()
@@ -491,7 +491,7 @@ struct CompileVariant<'m> {
     is_old: bool,
     /// Omits the declarations that EyeSim's `types.h` adds to its own names.
     is_lean: bool,
-    /// Headers beside the first source that are hidden from the compiler.
+    /// Headers in the folder of the first source that are hidden from the compiler.
     hidden: &'m [PathBuf],
 }
 

@@ -409,8 +409,8 @@ fn query_version(command: &[String]) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The folders of the installation to which `program` belongs, such as `bin/python3`: its own folder and the folders of
-/// its libraries beside it.
+/// The folders of the installation of `program`, such as `bin/python3`: its own folder, and the folders of its
+/// libraries next to it.
 pub(super) fn tool_folders(program: &Path) -> Vec<PathBuf> {
     let folder = program.parent().unwrap_or(Path::new("/"));
     let installation = folder.parent().unwrap_or(folder);

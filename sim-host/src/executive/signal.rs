@@ -222,7 +222,7 @@ impl FlowBlock {
         compiler_fence(Ordering::SeqCst);
     }
 
-    /// Marks the flow as back in the program; stops it if the watchdog's signal came meanwhile.
+    /// Marks the flow as back in the program; stops it if the watchdog's signal came while the flow was in the host.
     #[inline]
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);

@@ -335,9 +335,9 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker must end, and helps with loops meanwhile. It spins for a
-    /// short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it waits
-    /// in the kernel.
+    /// Waits until a fiber is in the queue or the worker must end; the waiting worker helps with loops. It first spins
+    /// for a short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it
+    /// waits in the kernel.
     fn wait(&self) {
         /// Number of spins before a wait in the kernel, some tens of microseconds.
         const SPINS: usize = 1000;
