@@ -20,7 +20,7 @@ pub struct Calls {
     pub other_definitions: BTreeSet<String>,
     /// Files that the source includes with `"..."`.
     pub includes: Vec<String>,
-    /// The source contains `#include_next`: it is a header that wraps another one.
+    /// The source contains `#include_next`: it is a header that wraps another header.
     pub is_wrapper: bool,
 }
 
@@ -43,7 +43,7 @@ pub fn calls_of(text: &str) -> Calls {
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
     let mut is_enum = false;
-    // The first one is the program itself.
+    // The first entry collects the names outside of classes.
     let mut classes = vec![Class::default()];
     let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {

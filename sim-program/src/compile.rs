@@ -25,7 +25,7 @@ use super::sandbox::{Grant, Role, Sandbox};
 pub struct ShimKit {
     /// Headers: file name and text.
     pub headers: Vec<(&'static str, &'static str)>,
-    /// The shim's files: file name and text; the first one is compiled.
+    /// The shim's files: file name and text; the first file is compiled.
     pub shim: Vec<(&'static str, &'static str)>,
     /// Compiler flags of the shim.
     pub shim_flags: &'static [&'static str],

@@ -40,7 +40,7 @@ fn remarks_on(file: &PathBuf, working_folder: &Path) -> Vec<String> {
     opened_names(&text).filter(is_only_beside).map(remark).collect()
 }
 
-/// String literals in lines that call a function that opens files: the first one after the function, if any.
+/// String literals in lines that call a function that opens files: the first literal after the function, if any.
 fn opened_names(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter_map(|line| {
         let opener = OPENERS.iter().filter_map(|opener| line.find(opener)).min()?;

@@ -12,7 +12,7 @@ const MXCSR_DEFAULT: u32 = 0x1f80;
 #[cfg(target_arch = "x86_64")]
 const MXCSR_CONTROL: u32 = 0xffc0;
 
-/// Sets the default environment; returns the previous one if it was different.
+/// Sets the default environment; returns the previous environment if it was different.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub fn set_default() -> Option<u32> {

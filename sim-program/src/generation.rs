@@ -186,9 +186,9 @@ pub enum ChoiceReason {
     Stated,
     /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
-    /// Both generations have the functions called, but only this one has these constants or types.
+    /// Both generations have the functions called, but only the chosen one has these constants or types.
     Constants(Vec<String>),
-    /// Both generations have the functions called, and for the other one the program does not compile.
+    /// Both generations have the functions called, but the program does not compile for the other generation.
     Compiles,
     /// Both generations have the functions called, and the line of the sim file is written for this generation's simulator.
     Dialect,

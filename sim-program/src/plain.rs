@@ -846,7 +846,7 @@ impl Message<'_> {
             Some((index, head)) if !head.contains(['(', '#']) && head.trim_end().ends_with(is_name) => {
                 format!("a `;` is missing at the end of line {}", index + 1)
             }
-            // An unfinished declaration, with another one below it.
+            // An unfinished declaration, with another declaration below it.
             Some((index, _)) if code.lines().nth(line_index).is_some_and(begins_function) => {
                 format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
             }
@@ -891,7 +891,7 @@ impl Message<'_> {
         }
     }
 
-    /// Explains a function inside another one.
+    /// Explains a function inside another function.
     fn nested_function(&self) -> String {
         let name = |head: &str| head.split('(').next()?.rsplit([' ', '*', '&']).next().map(str::to_owned);
         let code = code_only(self.source);

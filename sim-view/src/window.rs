@@ -205,8 +205,8 @@ impl Drop for Window {
     }
 }
 
-/// Address at which other machines reach this one. An unspecified address is replaced by the local address of the route to
-/// an outside address; finding this route sends nothing.
+/// Address at which other machines reach this machine. An unspecified address is replaced by the local address of the
+/// route to an outside address; finding this route sends nothing.
 fn reachable_address(ip: IpAddr) -> IpAddr {
     if !ip.is_unspecified() {
         return ip;

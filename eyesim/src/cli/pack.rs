@@ -245,7 +245,7 @@ pub(super) fn check_self_contained(pack: &Pack) -> anyhow::Result<()> {
     report_diagnostics(&loaded.diagnostics, &loaded.inputs, false).context("the archive would not be complete")
 }
 
-/// Unpacks an archive and makes its installation folder the one of this process.
+/// Unpacks an archive and makes its installation folder that of this process.
 ///
 /// # Errors
 /// The archive is refused, or cannot be unpacked.

@@ -68,7 +68,7 @@ impl Search {
         false
     }
 
-    /// Describes the match, or the nearest one. `verb` is `printed` or `shows`.
+    /// Describes the match, or the nearest match. `verb` is `printed` or `shows`.
     pub fn explain(&self, robot: RobotId, verb: &str) -> String {
         let what = match &self.expected {
             ExpectedOutput::Text(text) => format!("`{text}`"),

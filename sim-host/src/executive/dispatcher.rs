@@ -1,4 +1,4 @@
-//! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next one.
+//! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next slot.
 //!
 //! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it
 //! advances the world and releases the next robots. It does this slot after slot, up to the horizon that the run's
@@ -104,8 +104,9 @@ pub struct Return {
 }
 
 impl ReturnQueue {
-    /// Adds a robot that has come back to the barrier. Returns true if it is the last one that was released: then the caller
-    /// must call [`Dispatcher::suspend`]. Returns `None` if the robot has departed: its flow was abandoned before it came back.
+    /// Adds a robot that has come back to the barrier. Returns true if all robots that were released with it have come
+    /// back, too; then the caller must call [`Dispatcher::suspend`]. Returns `None` if the robot has departed: its flow
+    /// was abandoned before it came back.
     pub fn put(&self, robot: Return, has_departed: &AtomicBool) -> Option<bool> {
         let mut returns = self.returns.lock();
         if has_departed.load(Ordering::Acquire) {
@@ -116,7 +117,7 @@ impl ReturnQueue {
         Some(self.count_down())
     }
 
-    /// Removes a released robot that departs instead of coming back; returns true if it is the last one.
+    /// Removes a released robot that departs instead of coming back; returns true if it was the last released robot.
     fn depart(&self, robot: RobotId) -> bool {
         let mut returns = self.returns.lock();
         let position = returns.iter().position(|other| other.robot == robot);
@@ -129,7 +130,7 @@ impl ReturnQueue {
         }
     }
 
-    /// Decrements the number of released robots; returns true if this was the last one.
+    /// Decrements the number of released robots; returns true if no released robot is left.
     fn count_down(&self) -> bool {
         self.remaining.fetch_sub(1, Ordering::AcqRel) == 1
     }
@@ -138,7 +139,7 @@ impl ReturnQueue {
 /// Minimum length of a worker's run queue for another worker to steal from it.
 const MIN_QUEUE_TO_STEAL: usize = 4;
 
-/// An entry of the wake queue; valid while `number` is the robot's current one.
+/// An entry of the wake queue; valid while `number` equals the robot's current number.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Wake {
     at: Time,
@@ -179,7 +180,7 @@ pub struct BarrierOutcome {
 /// Position of a run between two slots, while no robot runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Boundary {
-    /// Start of the slot after the one that has ended.
+    /// Start of the slot after the completed slot.
     pub following: Time,
     /// Start of the next slot in which anything happens, `following` or later. `None` if nothing happens any more
     /// without an intervention, because no program is alive, or all wait for something that cannot happen.

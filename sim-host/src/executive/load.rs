@@ -62,7 +62,7 @@ pub fn load_programs(
     check_room(programs.iter(), exec, workers)?;
     loader.set_robots_per_turn(robots_per_turn(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| execution_of(program, exec).0 == ExecutionKind::Process).count());
-    // All processes start before the wait for the first one.
+    // All processes start before the wait for the first process.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);

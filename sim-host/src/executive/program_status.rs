@@ -99,7 +99,7 @@ impl PossibleSenders {
             programs += 1;
             if matches!(robot.ending, None | Some(Ending::Stopped)) {
                 living += 1;
-                listening += usize::from(robot.tasks.are_waiting_one_for(&WaitReason::Message));
+                listening += usize::from(robot.tasks.are_all_waiting_one_for(&WaitReason::Message));
             }
         }
         match living {
@@ -148,11 +148,11 @@ pub fn judge(
             let words = reason::explain(reason, |line| program.text_of(line));
             status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
         }
-        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
+        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_all_waiting() => {
             status(Outcome::Waiting, Some(describe_waits(robot, program, run_end)))
         }
         // A wait that has just begun is not worth a report: every loop with a pause has one.
-        _ if matches!(run_end.end, End::Until) && robot.tasks.have_waited(run_end.time - LONG_WAIT) => {
+        _ if matches!(run_end.end, End::Until) && robot.tasks.have_all_waited_since(run_end.time - LONG_WAIT) => {
             status(Outcome::Running, Some(describe_waits(robot, program, run_end)))
         }
         _ => match run_end.end {
@@ -185,7 +185,7 @@ fn describe_waits(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_
 /// Describes the waits of a robot's tasks during the run, without locations: `waits for KEY4 since 2.310 s`; empty if a task does not
 /// wait.
 pub fn waits_now(robot: &Robot) -> String {
-    if !robot.tasks.are_waiting() {
+    if !robot.tasks.are_all_waiting() {
         return String::new();
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.as_ref()?))).collect();

@@ -32,7 +32,8 @@ pub struct FlowBlock {
     pub stack: [AtomicUsize; 2],
     /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
-    /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
+    /// Id of the RoBIOS call in progress or, in the program's own code, of the last call; `u16::MAX` before the first
+    /// call.
     pub last_call: AtomicU16,
     /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
@@ -384,7 +385,8 @@ impl Drop for FlowBlock {
     }
 }
 
-/// Catches the faults of flows as long as any value of this type lives; dropping the last one restores the previous handlers.
+/// Catches the faults of flows as long as any value of this type lives; dropping the last value restores the previous
+/// handlers.
 #[derive(Debug)]
 pub struct Handlers(());
 
@@ -475,7 +477,8 @@ impl HandlerState {
         for (index, signal) in CAUGHT_SIGNALS.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
-            // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
+            // Our handler may still be installed below another handler that chains to it, unless other code has
+            // restored the default action.
             let is_reset = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
             if self.previous[index].is_none() || is_reset {
                 PREVIOUS_ACTIONS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);

@@ -191,7 +191,7 @@ impl Frames {
         }
     }
 
-    /// Stores a layer that `robot` shows, in place of an earlier one of this slot.
+    /// Stores a layer that `robot` shows; it replaces an earlier layer of the same name in this slot.
     pub fn store_layer(&self, robot: RobotId, name: &str, layer: Arc<Layer>) {
         let Some(captures) = &self.captures else { return };
         let mut captures = captures.lock();

@@ -164,7 +164,7 @@ impl Sink for Sinks<'_> {
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.end_slot(end, digest))
     }
 
-    /// Completes every sink, even if another one fails; returns the first error.
+    /// Completes every sink, even if another sink fails; returns the first error.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         let results = self.sinks.iter_mut().map(|(_, sink)| sink.finish(end, digest));
         results.fold(Ok(()), Result::and)

@@ -82,7 +82,7 @@ impl Trail {
 
     /// Maximum distance of the polyline from a pushed position, in metres.
     pub fn deviation(&self) -> f64 {
-        // Each thinning adds its tolerance to the previous ones, a geometric series. A point beyond the end of a
+        // Each thinning adds its tolerance to those before, a geometric series. A point beyond the end of a
         // segment may deviate by one tolerance along it and one across it.
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
@@ -193,7 +193,7 @@ impl Trails {
         &self.trails
     }
 
-    /// Points of contact, in metres; points within 1 cm of the previous one are omitted.
+    /// Points of contact, in metres; points within 1 cm of the previous point are omitted.
     pub fn contacts(&self) -> &[DVec2] {
         &self.contacts
     }

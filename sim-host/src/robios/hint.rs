@@ -38,7 +38,7 @@ pub enum Mistake {
     NoNumber,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees per second.
     Radians,
-    /// A drive replaces the previous drive just after that one's start.
+    /// A drive replaces a drive that has just started.
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,

@@ -27,7 +27,7 @@ pub struct Input {
     typed: Vec<u8>,
     /// Number of bytes that the program has read.
     read: usize,
-    /// Number of reads at the end of the text in quick succession, and the time of the last one.
+    /// Number of reads at the end of the text in quick succession, and the time of the last of them.
     reads_at_end: u32,
     last_read_at_end: Time,
     /// The program has read at the end of the text.

@@ -170,7 +170,7 @@ fn install(filter: &[sock_filter]) -> io::Result<()> {
     check(unsafe { libc::syscall(libc::SYS_seccomp, libc::SECCOMP_SET_MODE_FILTER, flags, &raw const program) } as i32)
 }
 
-/// Keeps other processes of this user from reading, writing and tracing this one.
+/// Keeps other processes of this user from reading, writing and tracing this process.
 pub(super) fn hide_own_memory() {
     // SAFETY: the call takes only numbers, and fails only for invalid ones.
     unsafe { libc::prctl(libc::PR_SET_DUMPABLE, 0, 0, 0, 0) };

@@ -1,6 +1,6 @@
 //! State shown to all pages, and the queue of their commands.
 //!
-//! The simulation never waits for a page: for each kind of message only the latest one is kept, and events are kept in
+//! The simulation never waits for a page: for each kind of message only the latest is kept, and events are kept in
 //! a ring buffer. Texts are serialised when the first page needs them, on the server's thread, and shared.
 
 use std::collections::{BTreeMap, VecDeque};

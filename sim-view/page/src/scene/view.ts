@@ -19,7 +19,7 @@ import { World } from "./world";
 // Colours are mixed as in the simulator's cameras: without conversion of colour spaces.
 THREE.ColorManagement.enabled = false;
 
-/** Number of frames, and the times of the page's own code in the last one, for measurements. */
+/** Number of frames, and the times of the page's own code in the last frame, for measurements. */
 export interface FrameTimes {
   frames: number;
   /** Time for updating poses and buffers. */
