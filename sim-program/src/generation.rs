@@ -434,8 +434,8 @@ fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
         .then_some(name)
 }
 
-/// Advice that converts `calls` to `generation`; `None` if one of them has no replacement there, if the changes are many, or if they need
-/// a handle that the program does not have.
+/// Advice that converts `calls` to `generation`. `None` if one of the calls has no replacement there, if the changes
+/// are many, or if they need a handle that the program does not have.
 fn conversion_advice(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
     let replacements = REPLACEMENTS[usize::from(generation == Generation::Robios6)];
     let mut replaced: Vec<(&str, String, Vec<&str>)> = Vec::new();
@@ -578,7 +578,8 @@ fn name_with_line(name: &str, sources: &[PathBuf]) -> String {
     format!("`{name}`{}", place.unwrap_or_default())
 }
 
-/// The only generation that has some of these constants, with those that it has; `None` if both generations have some, or neither has.
+/// The only generation that has any of these constants, with the constants that it has. `None` if both generations have
+/// some of them, or neither has any.
 fn generation_of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has_constant(name) && !generation.other().has_constant(name);

@@ -414,8 +414,8 @@ impl Loader {
         Ok(opened)
     }
 
-    /// The file from which robots' own processes load `prepared`: a copy whose pages all of them share. It exists as long as the
-    /// loader. `arguments` are only checked.
+    /// The file that robots' own processes load for `prepared`: a copy whose pages all these processes share. It exists
+    /// as long as the loader. `arguments` are only checked.
     ///
     /// # Errors
     /// [`LoadError`] if according to the file it is not a program for this eyesim.

@@ -105,7 +105,8 @@ impl Session {
         }
     }
 
-    /// Builds the programs of a case. Returns true if they may share a process with other cases: all are on fibers.
+    /// Builds the programs of a case. Returns true if the programs may share a process with other cases, because all of
+    /// them run on fibers.
     ///
     /// # Errors
     /// [`PrepareError`].

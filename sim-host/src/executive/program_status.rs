@@ -377,8 +377,8 @@ pub(super) fn line_of_location(location: &CodeLocation, program: &RobotProgram) 
     }
 }
 
-/// The addresses of a break without the words of the stack below the call in progress, which may be left over from earlier calls. A
-/// program in its own process has already omitted them.
+/// Returns the addresses of a break without the words of the stack below the call in progress, which may be left over
+/// from earlier calls. A program in its own process has already omitted them.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
     let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {

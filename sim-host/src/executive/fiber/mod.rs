@@ -1,5 +1,5 @@
-//! Executor with one fiber for each task of a robot; a worker, an OS thread, runs the fibers of many robots. A hand-over
-//! is a stack switch.
+//! Executor with one fiber for each task of a robot. A worker is an OS thread that runs the fibers of many robots. A
+//! hand-over is a stack switch.
 //!
 //! A robot stays on the worker on which it is first resumed, because compilers keep addresses of thread-locals, such as
 //! `errno`, across calls. A switch saves the program's state that is stored per thread: `errno` and the floating-point
