@@ -283,7 +283,7 @@ fn counts(run: &Run) -> Counts {
         let robot = run.robot(id);
         if robot.ending.is_some() {
             counts.ended += 1;
-        } else if robot.tasks.are_waiting() {
+        } else if robot.tasks.are_all_waiting() {
             counts.waiting += 1;
         } else {
             counts.running += 1;
