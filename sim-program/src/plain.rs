@@ -1099,8 +1099,8 @@ impl Message<'_> {
         })
     }
 
-    /// Explains a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop may instead have
-    /// a number that becomes too large.
+    /// Explains a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop
+    /// may instead have a number that becomes too large.
     fn overrun_by_loop(&self) -> Option<String> {
         let blanked = code_only(self.code().unwrap_or_default());
         let accesses = self.accesses().unwrap_or_default();

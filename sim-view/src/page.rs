@@ -22,8 +22,8 @@ pub struct Page {
 pub struct NoPage(String);
 
 impl Page {
-    /// Loads the embedded page or, in a checkout, the page built there. Calls `report` if the page has to be built first,
-    /// which takes several seconds to a minute.
+    /// Loads the embedded page or, in a checkout, the page built there. Calls `report` if the page has to be built
+    /// first, which takes several seconds to a minute.
     #[must_use]
     pub fn load(mut report: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {

@@ -153,9 +153,9 @@ impl Pool for WorkerPool<'_> {
             next: AtomicUsize::new(0),
             iterations,
             chunk: (iterations / (8 * workers)).clamp(1, MAX_CHUNK),
-            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the data live;
-            // the items are borrowed mutably here, may be sent to other threads, and each section belongs to one call;
-            // threads may share `act`.
+            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the
+            // data live. The items are borrowed mutably here and may be sent to other threads, and each section
+            // belongs to one call. Threads may share `act`.
             run: runner::<T, _>(&act),
             data: ptr::from_ref(&data).cast(),
         };

@@ -89,7 +89,8 @@ export class EventEffects {
     this.drawFlights(prefersReducedMotion, width_px, height_px);
     this.drawContacts();
     const isPlaying = (item: { age_ms: number }, max_ms: number) => !isStill || item.age_ms < 0.6 * max_ms;
-    return this.flights.some((flight) => isPlaying(flight, SHOWN_MS)) || this.recentContacts.some((contact) => isPlaying(contact, CONTACT_MS));
+    const isFlying = this.flights.some((flight) => isPlaying(flight, SHOWN_MS));
+    return isFlying || this.recentContacts.some((contact) => isPlaying(contact, CONTACT_MS));
   }
 
   dispose(): void {
