@@ -71,7 +71,7 @@ fn images(folder: &Path) -> Vec<(String, image::RgbImage)> {
 }
 
 #[test]
-fn an_image_is_that_of_a_program() {
+fn library_commands_take_the_same_images_as_a_program() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     std::fs::write(path("look.c"), LOOK).expect("a program");

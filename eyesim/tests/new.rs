@@ -60,7 +60,7 @@ fn check_run(parent: &Path, name: &str) {
     assert!(robot["lcd"].to_string().contains("wall 4"), "{robot}");
 }
 
-fn is_there(tool: &str) -> bool {
+fn is_installed(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {
         println!("skipped: `{tool}` is not installed");
@@ -70,7 +70,7 @@ fn is_there(tool: &str) -> bool {
 
 /// Writes, builds and runs a new program of each generation.
 fn check(language: &str, compiler: &str) {
-    if !is_there(compiler) {
+    if !is_installed(compiler) {
         return;
     }
     let folder = place(&format!("new-{language}"));

@@ -1,4 +1,5 @@
-//! Runs a scene with its robots' programs through the library: to its end, or in steps with a look at every second.
+//! Runs a scene with its robots' programs through the library: in one call to its end, or step by step with a check
+//! every second.
 //!
 //! `cargo run --release -p sim-host --example run -- sims/demo.sim`
 

@@ -1,4 +1,4 @@
-//! Robots whose programs are code of this process, which make their calls as messages.
+//! Robots whose programs are code of this process; the programs make their calls as messages.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -37,7 +37,7 @@ type Main = dyn Fn(&Program, Arc<dyn Calls>) -> EmbeddedEnd + Send + Sync;
 /// A program that is a closure.
 struct Program {
     main: Box<Main>,
-    /// Told by `stop`.
+    /// Channel that `stop` notifies.
     stopped: (SyncSender<RobotId>, Mutex<Receiver<RobotId>>),
 }
 
@@ -97,7 +97,7 @@ fn calls_take_virtual_time_and_end_with_the_program() {
 }
 
 #[test]
-fn a_program_is_told_to_stop_where_it_computes() {
+fn a_computing_program_is_stopped_with_its_location() {
     let main = |program: &Program, _: Arc<dyn Calls>| {
         let message = program.stopped.1.lock().recv_timeout(Duration::from_secs(60));
         assert_eq!(message, Ok(RobotId(1)));

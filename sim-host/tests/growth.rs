@@ -1,4 +1,4 @@
-//! Many successive runs in one process leak nothing.
+//! Checks that many successive runs in one process leak nothing.
 
 mod common;
 
@@ -67,7 +67,7 @@ fn resident_kib() -> usize {
     line.trim().trim_end_matches(" kB").parse().expect("a number")
 }
 
-/// Median of a number of sizes: the allocator returns memory with a delay, so single sizes differ by 10 MiB.
+/// Median of a number of sizes. Single sizes differ by 10 MiB, since the allocator returns memory with a delay.
 fn median(mut sizes: Vec<usize>) -> usize {
     sizes.sort_unstable();
     sizes[sizes.len() / 2]
@@ -75,7 +75,7 @@ fn median(mut sizes: Vec<usize>) -> usize {
 
 /// `EYESIM_RUNS` sets the number of runs, 500 by default.
 #[test]
-fn many_runs_leave_nothing_behind() {
+fn many_runs_leak_no_resources() {
     if !has_compiler() {
         return;
     }
@@ -105,7 +105,7 @@ fn many_runs_leave_nothing_behind() {
     let late = held();
     assert_eq!((late.threads, late.descriptors), (early.threads, early.descriptors));
     assert_eq!(late.handlers, at_start.handlers, "the handlers that were there before are back");
-    // Either heap may map or unmap memory at any time; a leak of one mapping per run would give four hundred.
+    // Either heap may map or unmap memory at any time; a leak of one mapping per run would map four hundred.
     assert!(late.mappings.abs_diff(early.mappings) < 20, "{early:?} {late:?}");
     // A leak of 60 KiB per run, the touched part of a thread's stack, would give 24 MiB.
     let grown = median(late_kib).saturating_sub(median(early_kib));

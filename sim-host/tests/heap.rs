@@ -15,7 +15,7 @@ use sim_host::executive::interrupt::Interrupt;
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Frees memory that it never allocated, past the shim's `free`, which looks at it first.
+/// Frees memory that it never allocated. It bypasses the shim's `free`, which would detect this.
 const FREE: &str = r#"
 #include "eyebot.h"
 extern void __libc_free(void *memory);
@@ -53,7 +53,7 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         let reason = broken.robots[0].reason.as_deref().unwrap_or_default();
         assert!(reason.contains("segmentation fault") && reason.contains("p0.c:7"), "{reason}");
         assert!(is_heap_lost());
-        // If the run had not begun by then, it was refused.
+        // If the run had not begun before the fault, it was refused.
         match ended.join().expect("a run") {
             Ok(ended) => {
                 assert!(matches!(ended.end, End::HeapLost), "{:?}", ended.end);

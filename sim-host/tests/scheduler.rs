@@ -1,5 +1,5 @@
-//! The scheduler as the owner of a run uses it: boundaries between slots, actions there, and that observing changes
-//! nothing.
+//! The scheduler as the owner of a run uses it: boundaries between slots, actions at them, and runs that observing does
+//! not change.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -102,7 +102,8 @@ fn pausing_and_observing_every_slot_changes_nothing() {
             let run = scheduler.run();
             assert_eq!(run.world().slot_start(), following);
             boundaries.push((following, next));
-            // Robots are suspended, so that their state can be read; listening to a robot changes nothing either.
+            // Robots are suspended, so their state can be read; the recording of a robot's calls changes nothing
+            // either.
             run.set_verbose(RobotId(2), true);
             assert_eq!(run.robot(RobotId(1)).id, RobotId(1));
             let Some(next) = next else { return };
@@ -130,7 +131,7 @@ fn a_run_waiting_for_user_input_continues_after_it() {
     let owner = |scheduler: &mut Scheduler| {
         assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
         assert_eq!(scheduler.boundary().next, None);
-        // Within a slot: the action happens at the slot's start.
+        // The time is within a slot: the action happens at the slot's start.
         let at = Time(7_012_345);
         answers = ["KEY1", "KEY9", "KEY1"]
             .into_iter()
@@ -150,7 +151,7 @@ fn a_run_waiting_for_user_input_continues_after_it() {
 }
 
 #[test]
-fn refused_actions_let_no_time_pass() {
+fn refused_actions_do_not_advance_time() {
     if !has_compiler() {
         return;
     }
@@ -172,7 +173,7 @@ fn refused_actions_let_no_time_pass() {
 }
 
 #[test]
-fn an_action_never_comes_after_what_is_due() {
+fn actions_happen_no_later_than_the_next_due_slot() {
     if !has_compiler() {
         return;
     }
@@ -183,7 +184,7 @@ fn an_action_never_comes_after_what_is_due() {
         scheduler.advance_to(Time::NEVER);
     };
     let ended = run_by(owner, Vec::new());
-    // Pressed before the first slot and kept until the drive is over.
+    // Both keys are pressed before the first slot, and kept until the drive is over.
     assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
     assert!(ended.time < Time::from_millis(1_200), "{}", ended.time);
     assert_eq!(answers, [Ok(()), Ok(())]);
@@ -195,10 +196,10 @@ fn the_owner_can_end_a_run_at_any_time() {
         return;
     }
     for end in [Time::ZERO, Time::from_millis(500)] {
-        for is_said in [true, false] {
+        for is_interrupted in [true, false] {
             let owner = |scheduler: &mut Scheduler| {
                 scheduler.advance_to(end);
-                if is_said {
+                if is_interrupted {
                     scheduler.interrupt();
                     assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Over);
                 }
@@ -212,7 +213,7 @@ fn the_owner_can_end_a_run_at_any_time() {
 }
 
 #[test]
-fn a_run_pauses_when_real_time_is_over() {
+fn a_run_pauses_when_its_time_budget_is_used_up() {
     if !has_compiler() {
         return;
     }
@@ -228,7 +229,7 @@ fn a_run_pauses_when_real_time_is_over() {
 }
 
 #[test]
-fn a_run_that_is_dropped_lets_its_programs_leave() {
+fn programs_of_a_dropped_run_exit() {
     if !has_compiler() {
         return;
     }
@@ -239,7 +240,7 @@ fn a_run_that_is_dropped_lets_its_programs_leave() {
         let mut running = running.unwrap_or_else(|error| panic!("{error}"));
         running.scheduler.advance_to(end);
         drop(running);
-        // The last flow that leaves drops the run, and with it the sinks.
+        // The last flow that exits drops the run, and with it the sinks.
         let start = Instant::now();
         while Arc::strong_count(&callers) > 1 {
             assert!(start.elapsed() < Duration::from_secs(60), "a program has not left");
@@ -267,9 +268,9 @@ impl Sink for LastDigest {
     }
 }
 
-/// A run without programs and a copy of it continue alike: user actions have the same effects in both, to the bit.
+/// A run without programs and a copy of it continue in the same way: user actions have bit-identical effects in both.
 #[test]
-fn a_run_without_programs_lends_a_simulation() {
+fn a_run_without_programs_can_be_copied() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = "[world]\nfloor_mm = [4000, 4000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
                  [[object]]\ntype = \"Can\"\nx_mm = 800\ny_mm = 500\n";

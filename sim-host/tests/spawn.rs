@@ -56,7 +56,7 @@ struct RunResult {
     ended: Ended,
     /// Lines of the trace.
     lines: Vec<Value>,
-    /// Reason why each action was refused; `None` if it was done.
+    /// Reason why each action was refused; `None` if it was carried out.
     answers: Vec<Option<String>>,
 }
 
@@ -142,7 +142,7 @@ fn a_spawned_robot_drives() {
 }
 
 #[test]
-fn spawned_entities_are_seen_and_removed_ones_are_not() {
+fn sensors_detect_spawned_entities_but_not_removed_ones() {
     let scene = room("robi bot.robi look.c 500 2000 0\n", &[("look.c", LOOK)]);
     let ran = run(
         &scene,
@@ -165,7 +165,7 @@ fn spawned_entities_are_seen_and_removed_ones_are_not() {
 }
 
 #[test]
-fn a_removed_robot_frees_the_way() {
+fn a_removed_robot_is_no_obstacle() {
     let robots = "robi bot.robi drive.c 500 500 0\nrobi bot.robi key.c 1000 500 0\n";
     let key = format!("{LEAVE}{KEY}");
     let scene = room(robots, &[("drive.c", DRIVE), ("key.c", &key)]);
@@ -181,7 +181,7 @@ fn a_removed_robot_frees_the_way() {
 }
 
 #[test]
-fn an_object_that_comes_is_pushed() {
+fn a_spawned_object_is_pushed() {
     let scene = room("robi bot.robi drive.c 500 500 0\n", &[("drive.c", DRIVE)]);
     let actions = [(500, add_object("Golf", 1.2, 0.5))];
     let ran = run(&scene, 1, &actions);
@@ -191,7 +191,7 @@ fn an_object_that_comes_is_pushed() {
 }
 
 #[test]
-fn a_program_exits_from_any_wait() {
+fn the_program_of_a_removed_robot_exits_from_any_wait() {
     for (name, program) in [
         ("KEYGet", "KEYGet();"),
         ("OSWait", "OSWait(100000);"),

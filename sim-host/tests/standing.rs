@@ -90,7 +90,7 @@ fn has_compiler() -> bool {
 }
 
 #[test]
-fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
+fn a_robot_without_a_program_is_detected_and_hit() {
     if !has_compiler() {
         return;
     }
@@ -112,7 +112,7 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
     assert_eq!([digests[0], digests[0]], digests[1..], "for any number of threads");
     let expected = [("program_started".to_owned(), 0.0), ("program_ended".to_owned(), 0.0)];
     assert_eq!(events(folder.path(), 2), expected);
-    // Its start is recorded in the first slot, with that of the others.
+    // Its start is recorded in the first slot, together with the other robots' starts.
     let text = std::fs::read_to_string(folder.path().join("trace.jsonl")).expect("a trace");
     let offset_of = |part: &str| text.find(part).unwrap_or_else(|| panic!("`{part}` in {text}"));
     let start = offset_of(r#""robot":2,"seq":0,"event":"program_started","program":"""#);
@@ -120,7 +120,7 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
 }
 
 #[test]
-fn nothing_runs_where_no_robot_has_a_program() {
+fn a_scene_without_programs_ends_immediately() {
     let folder = scene(["ram.c", "ram.c", "ram.c"]);
     let ended = run(folder.path(), 2, |scene| scene.robots.iter_mut().for_each(|robot| robot.program = None));
     assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);

@@ -1,4 +1,4 @@
-//! Several concurrent runs with native programs in one process do not interfere.
+//! Concurrent runs with native programs in one process do not interfere.
 
 mod common;
 
@@ -21,14 +21,14 @@ int main(void) {
 }
 "#;
 
-/// Runs until it is ended.
+/// Runs until the run ends.
 const ENDLESS: &str = r#"
 #include "eyebot.h"
 int main(void) { for (;;) OSWait(1); }
 "#;
 
 #[test]
-fn two_runs_at_once_are_as_each_alone() {
+fn concurrent_runs_have_the_digests_of_single_runs() {
     if !has_compiler() {
         return;
     }
@@ -45,7 +45,7 @@ fn two_runs_at_once_are_as_each_alone() {
 }
 
 #[test]
-fn a_fault_in_one_run_is_that_runs_result() {
+fn a_fault_affects_only_its_run() {
     if !has_compiler() {
         return;
     }
@@ -69,7 +69,7 @@ fn a_fault_in_one_run_is_that_runs_result() {
 }
 
 #[test]
-fn an_interrupt_ends_the_runs_that_have_it() {
+fn an_interrupt_ends_only_its_runs() {
     if !has_compiler() {
         return;
     }

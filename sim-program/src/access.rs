@@ -37,12 +37,12 @@ pub struct IndexedArray {
     pub is_inside: bool,
 }
 
-/// The accesses of line `line`, from 1, of `source`. `None` if the line may have accesses that are not found: through members of unknown
-/// types, references, results of functions, names that are not declared above the line, macros, or functions of the C library that a
-/// compiler replaces by its own code.
+/// Accesses of line `line` of `source`, counted from 1. `None` if the line may have accesses that are not found:
+/// through members of unknown types, references, results of functions, names that are not declared above the line,
+/// macros, or functions of the C library that a compiler replaces by its own code.
 ///
-/// Pointers are included from lines above that assign to variables of this line, since a compiler may delay such a read until the
-/// variable is used.
+/// The result includes pointers from lines above that assign to variables of this line: a compiler may delay such a
+/// read until the variable is used.
 pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
     let mut found = accesses_in(source, line)?;
     let code = code_only(source);
@@ -80,8 +80,8 @@ fn assigns(code: &str, name: &str) -> bool {
     })
 }
 
-/// Returns true if one of `names` is a parameter, but not a pointer, of the function that begins with `head`, and an argument in a call
-/// of the function may be read through a pointer or an array.
+/// Returns true if one of `names` is a parameter of the function that begins with `head`, but not a pointer, and some
+/// call of the function may read the argument through a pointer or an array.
 fn receives_accessed_value(head: &str, names: &BTreeSet<&str>, lines: &[&str]) -> bool {
     let Some((declaration, parameters)) = head.split_once('(') else { return false };
     let is_used_value = |parameter: &&str| {
@@ -165,7 +165,7 @@ fn without_directives(code: String) -> (String, Macros) {
     (rest, macros)
 }
 
-/// A name, a number or a mark.
+/// A name, a number or a punctuation mark.
 #[derive(Clone, Copy)]
 struct Token<'a> {
     text: &'a str,
@@ -184,7 +184,7 @@ impl Token<'_> {
         self.text.starts_with(|c: char| is_name(c) && !c.is_ascii_digit())
     }
 
-    /// Returns true if a value or a type may end here, so that a `*` after it multiplies, or declares a pointer.
+    /// Returns true if the token may end a value or a type: a `*` after it multiplies, or declares a pointer.
     fn ends_value(&self) -> bool {
         self.text == "]" || self.text.starts_with(is_name) && !STATEMENTS.contains(&self.text)
     }
@@ -448,7 +448,7 @@ impl<'a> Scan<'a> {
             return Some(());
         }
         match token.text {
-            // After a name, they belong to its expression.
+            // These tokens belong to the expression of the name before them.
             "[" | "->" => previous.filter(Token::ends_value).map(|_| ()),
             "*" => {
                 let next =
@@ -513,7 +513,7 @@ impl<'a> Scan<'a> {
         Some(())
     }
 
-    /// The member `name`, of whichever type.
+    /// The member `name` of any type.
     fn member(&self, name: &str) -> Part<'_> {
         match self.members.get(name) {
             Some(Some(variable)) => Part::Known { variable, indexed: 0, stars: variable.stars },
@@ -548,7 +548,7 @@ enum Part<'a> {
     UnknownMember,
 }
 
-/// A step from a pointer or an array to what it points to or contains.
+/// A step from a pointer or an array to its target or element.
 #[derive(Clone, Copy)]
 enum Step {
     /// By an index, with its value if that is a number.

@@ -1,4 +1,4 @@
-//! Finds the `{` without `}` in a C or C++ source by its indentation.
+//! Finds an unclosed `{` in a C or C++ source by the source's indentation.
 
 use super::code::{begins_function, code_only};
 
@@ -11,8 +11,8 @@ struct OpenBrace<'a> {
     may_contain_functions: bool,
 }
 
-/// The line, from 1, of the `{` that has no `}`, according to the indentation: a `}` at the start of a line would close a `{` that is
-/// indented further, or a function begins in the first column inside another one. `None` if the indentation does not show the line.
+/// Returns the line, from 1, of the `{` that has no `}`, if the indentation shows it: a `}` at the start of a line
+/// would close a `{` that is indented further, or a function begins in the first column inside another function.
 pub fn unclosed_brace(text: &str) -> Option<usize> {
     if text.contains("#else") || text.contains("#elif") {
         return None;

@@ -69,7 +69,7 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltProgram {
-    /// The shared library; the file of a Python program; the name of an embedded program.
+    /// The shared library, the file of a Python program, or the name of an embedded program.
     pub library: PathBuf,
     /// Source of the program.
     pub source: ProgramSource,
@@ -446,7 +446,7 @@ impl Builder {
         for source in sources {
             add(source.as_os_str().as_encoded_bytes());
             add(&read_regular(source).map_err(|error| BuildError::Source { path: source.clone(), error })?);
-            // A new header beside a source may take precedence over one that was included from elsewhere.
+            // A new header in the folder of a source may take precedence over one that was included from elsewhere.
             for header in headers_beside(source) {
                 add(header.as_os_str().as_encoded_bytes());
             }

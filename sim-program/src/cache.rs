@@ -51,8 +51,9 @@ impl Cache {
         Ok(Self { root: std::path::absolute(root)? })
     }
 
-    /// Opens the cache of this user: `$EYESIM_CACHE`, otherwise `$XDG_CACHE_HOME/eyesim`, otherwise `~/.cache/eyesim`;
-    /// if these cannot be written to, a private folder in the temporary folder.
+    /// Opens the cache of this user in `$EYESIM_CACHE` or, if that is not set, in `$XDG_CACHE_HOME/eyesim` or
+    /// `~/.cache/eyesim`. If `$EYESIM_CACHE` is not set and the other folder cannot be written to, opens a private
+    /// folder in the temporary folder.
     ///
     /// # Errors
     /// `$EYESIM_CACHE` is set and cannot be written to, or none of the other folders can.

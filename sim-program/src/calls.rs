@@ -16,11 +16,11 @@ pub struct Calls {
     pub declared: BTreeSet<String>,
     /// Other names that the source uses and does not define, such as constants.
     pub used: BTreeSet<String>,
-    /// Names that the source defines otherwise: macros, enumerators, variables and types.
+    /// Other names that the source defines: macros, enumerators, variables and types.
     pub other_definitions: BTreeSet<String>,
     /// Files that the source includes with `"..."`.
     pub includes: Vec<String>,
-    /// The source contains `#include_next`: it is a header that wraps another one.
+    /// The source contains `#include_next`: it is a header that wraps another header.
     pub is_wrapper: bool,
 }
 
@@ -43,7 +43,7 @@ pub fn calls_of(text: &str) -> Calls {
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
     let mut is_enum = false;
-    // The first one is the program itself.
+    // The first entry collects the names outside of classes.
     let mut classes = vec![Class::default()];
     let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {
@@ -77,7 +77,8 @@ pub fn calls_of(text: &str) -> Calls {
                     [previous, back(2)] == [Some(Token::Mark(':')); 2] && matches!(back(3), Some(Token::Name(_)));
                 // Functions inside classes do not define the unqualified name.
                 let is_definition = depth == 0 && after_call == Some(Token::Mark('{'));
-                // Behind a name on another line a `;` may be missing; the value of a macro follows the macro's name.
+                // If the previous token is on another line, its `;` may be missing. In a macro definition, the value
+                // follows the name.
                 let is_typed = (depth == 0 || is_in_class) && previous == Some(Token::Mark('*'))
                     || is_type(previous) && lines[index - 1] == lines[index] && back(2) != Some(Token::Name("define"));
                 if depth == 0 && is_typed && after_call == Some(Token::Mark(';')) {

@@ -78,9 +78,9 @@ const FOREIGN_VARIABLES: &[&str] =
 
 /// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder is in `cache`: one for each workspace, and one for all packages outside of workspaces, which thus
-/// share their dependencies. So it is never a folder that a `cargo run` or `cargo test` around this process may have
-/// locked.
+/// The target folder is in `cache`. There is one for each workspace, and one for all packages outside of workspaces,
+/// which share their dependencies there. So it is never a folder that a `cargo run` or `cargo test` around this process
+/// may have locked.
 ///
 /// # Errors
 /// [`CargoError`].

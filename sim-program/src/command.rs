@@ -1,4 +1,4 @@
-//! Runs external commands (compilers, interpreters) with a time limit, and has the thread that starts processes.
+//! Runs external commands (compilers, interpreters) with a time limit, and owns the thread that starts processes.
 
 use std::io::{self, Read};
 use std::os::unix::process::CommandExt as _;
@@ -57,7 +57,8 @@ pub fn start_spawner() -> io::Result<()> {
 }
 
 /// Starts a process on a dedicated thread. This thread lives as long as this process, since the kernel may kill a child
-/// when the thread that started it ends; and it is not a robot program's thread, since a child would inherit its restrictions.
+/// when the thread that started it ends. It is not a thread of a robot program, since a child would inherit its
+/// restrictions.
 ///
 /// # Errors
 /// The command cannot be started.

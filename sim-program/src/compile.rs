@@ -25,7 +25,7 @@ use super::sandbox::{Grant, Role, Sandbox};
 pub struct ShimKit {
     /// Headers: file name and text.
     pub headers: Vec<(&'static str, &'static str)>,
-    /// The shim's files: file name and text; the first one is compiled.
+    /// The shim's files: file name and text; the first file is compiled.
     pub shim: Vec<(&'static str, &'static str)>,
     /// Compiler flags of the shim.
     pub shim_flags: &'static [&'static str],
@@ -62,7 +62,7 @@ impl ShimKit {
     }
 }
 
-/// Selection of the kit with which a program is built.
+/// Selection of the kit for building a program.
 #[derive(Clone, Debug)]
 pub enum Kits {
     /// The kit of the program's generation.
@@ -226,7 +226,7 @@ impl<'a> Compilation<'a> {
         variants.split_off(1)
     }
 
-    /// RoBIOS headers of any version beside the first source, which would take precedence over ours.
+    /// RoBIOS headers of any version in the folder of the first source; they would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
         beside.filter(|path| is_robios_header(path)).collect()
@@ -491,7 +491,7 @@ struct CompileVariant<'m> {
     is_old: bool,
     /// Omits the declarations that EyeSim's `types.h` adds to its own names.
     is_lean: bool,
-    /// Headers beside the first source that are hidden from the compiler.
+    /// Headers in the folder of the first source that are hidden from the compiler.
     hidden: &'m [PathBuf],
 }
 

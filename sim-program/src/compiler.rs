@@ -15,8 +15,8 @@ use super::words::split_words;
 use crate::host;
 
 /// Standards for the compilation of sources, newest first. The newest one that the compiler supports is tried first,
-/// then the last of the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse;
-/// in C++ it is the standard of many course programs that the newest one refuses.
+/// then the last one of the list. In C the last one still accepts K&R functions and `bool` as a name; in C++ it accepts
+/// many course programs that the newest one refuses.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &["-std=gnu17"],
@@ -50,9 +50,9 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-Wno-error=format-security",
 ];
 
-/// Flags that are used if the compiler supports them: flags for old sources whose constructs have become errors (gcc 14,
-/// clang 16, C++11), index checks of `vector` and similar classes, and stack probes (a big local array hits the guard
-/// page and not the memory beyond it).
+/// Flags that are used if the compiler supports them: flags for old sources whose constructs have become errors (gcc
+/// 14, clang 16, C++11), index checks of `vector` and similar classes, and stack probes (with them, a big local array
+/// hits the guard page and not the memory beyond it).
 const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &[
@@ -309,8 +309,8 @@ impl Compiler {
             && build_output(&mut command, COMMAND_TIMEOUT).is_ok_and(|output| output.status.success())
     }
 
-    /// The flags of `candidates` that the compiler accepts in a call with the flags `base`: all are tried at once; if that fails, one by
-    /// one.
+    /// The flags of `candidates` that the compiler accepts in a call with the flags `base`. All candidates are tried
+    /// together; if the compiler refuses them, they are tried one by one.
     fn accepted_flags(&self, folder: &Path, base: &[&str], candidates: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
             let output = build_output(self.command().current_dir(folder).args(flags).args(base), COMMAND_TIMEOUT)?;
@@ -380,8 +380,8 @@ fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
     Ok(version)
 }
 
-/// The command with path, size, times and inode of its file; `None` unless the file is gcc, clang or zig itself: the
-/// compiler that a script or a launcher such as ccache starts may change while the file does not.
+/// The command with path, size, times and inode of its file. `None` unless the file is gcc, clang or zig itself: a
+/// script or a launcher such as ccache may start a changed compiler although its own file has not changed.
 fn file_state(command: &[String]) -> Option<String> {
     use std::os::unix::fs::MetadataExt as _;
     let path = which(command.first()?)?;
@@ -409,8 +409,8 @@ fn query_version(command: &[String]) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The folders of the installation to which `program` belongs, such as `bin/python3`: its own folder and the folders of
-/// its libraries beside it.
+/// The folders of the installation of `program`, such as `bin/python3`: its own folder, and the folders of its
+/// libraries next to it.
 pub(super) fn tool_folders(program: &Path) -> Vec<PathBuf> {
     let folder = program.parent().unwrap_or(Path::new("/"));
     let installation = folder.parent().unwrap_or(folder);

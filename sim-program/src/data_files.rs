@@ -1,4 +1,4 @@
-//! Remarks on data files beside a program: programs open files in the working folder instead.
+//! Remarks on data files in the folder of a program: programs open files in the working folder instead.
 
 use std::path::{Path, PathBuf};
 
@@ -9,8 +9,8 @@ const MAX_SOURCE: u64 = 1 << 20;
 /// Parts of the names of functions and classes that open files, in C, C++ and Python.
 const OPENERS: [&str; 2] = ["open", "fstream"];
 
-/// Remarks on files that a program opens by a literal name and that are beside its source but not in the working
-/// folder.
+/// Remarks on files that a program opens by a literal name, and that are in the folder of its source but not in the
+/// working folder.
 pub fn remarks(source: &ProgramSource, working_folder: &Path) -> Vec<String> {
     let files = match source {
         ProgramSource::Sources { files, .. } => files.as_slice(),
@@ -40,7 +40,7 @@ fn remarks_on(file: &PathBuf, working_folder: &Path) -> Vec<String> {
     opened_names(&text).filter(is_only_beside).map(remark).collect()
 }
 
-/// String literals in lines that call a function that opens files: the first one after the function, if any.
+/// String literals in lines that call a function that opens files: the first literal after the function, if any.
 fn opened_names(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter_map(|line| {
         let opener = OPENERS.iter().filter_map(|opener| line.find(opener)).min()?;

@@ -11,7 +11,7 @@ use sim_format::{FileError, Files};
 
 use crate::host;
 
-/// Environment variable with the folder of the installation, for which `%sim%` stands.
+/// Environment variable with the folder of the installation, which replaces `%sim%` in paths.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
 /// Size limit of a file in MiB. Larger files are not meshes or images; reading them would only exhaust the memory.
@@ -41,9 +41,9 @@ pub struct DiskFiles {
 }
 
 impl DiskFiles {
-    /// Files with the first of these installations: the one that [`HOME_VARIABLE`] names; the one that the [host]
-    /// brings; the folder above the running binary that contains `worlds` and `robis`; the checkout from which the
-    /// binary was built, if it still exists.
+    /// Files with the first of these installations: the one that [`HOME_VARIABLE`] names; the one of the [host]; the
+    /// folder above the running binary that contains `worlds` and `robis`; the checkout that the binary was built from,
+    /// if it still exists.
     pub fn of_environment() -> Self {
         if let Some(home) = ARCHIVE_HOME.get() {
             return Self::with_home(home);

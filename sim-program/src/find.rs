@@ -11,7 +11,7 @@ use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
 
-/// Folders in which programs are searched, in this order: the sim file's folder, the working folder, further folders.
+/// Folders that are searched for programs, in this order: the sim file's folder, the working folder, further folders.
 #[derive(Clone, Debug, Default)]
 pub struct SearchPath {
     /// Folder of the sim file that names the program; `None` for a program named on the command line.
@@ -149,7 +149,7 @@ fn quoted(names: &[String]) -> String {
 /// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`),
 /// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
 /// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
-/// sources and libraries of the same name beside it.
+/// sources and libraries of the same name in its folder.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.
@@ -248,7 +248,7 @@ impl Finder<'_> {
         paths
     }
 
-    /// The program at `path`, or its replacement beside it; unusable files are added to the attempts.
+    /// The program at `path`, or its replacement in the same folder; unusable files are added to the attempts.
     fn search_at(&mut self, path: &Path) -> Option<ProgramSource> {
         let first_problem = match self.program_at(path) {
             Ok(source) => return Some(source),
@@ -357,8 +357,8 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 }
 
 /// Paths of sources and libraries that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
-/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have
-/// on other systems.
+/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty unless programs of other systems have the extension of
+/// `path`.
 fn replacement_paths(path: &Path) -> Vec<PathBuf> {
     const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|extension| has_extension(path, extension));

@@ -1,5 +1,5 @@
-//! Sets the floating-point environment of a thread: the host always computes in the default environment, whatever the
-//! program has set.
+//! Sets the floating-point environment of a thread: the host always computes in the default environment, even if the
+//! program has set another one.
 //!
 //! Otherwise a changed rounding mode or flush-to-zero (set when a library built with `-ffast-math` is loaded) would
 //! change the host's results on the program's thread, and an unmasked exception would stop the host with SIGFPE.
@@ -12,7 +12,7 @@ const MXCSR_DEFAULT: u32 = 0x1f80;
 #[cfg(target_arch = "x86_64")]
 const MXCSR_CONTROL: u32 = 0xffc0;
 
-/// Sets the default environment; returns the previous one if it was different.
+/// Sets the default environment; returns the previous environment if it was different.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub fn set_default() -> Option<u32> {

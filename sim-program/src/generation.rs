@@ -186,9 +186,9 @@ pub enum ChoiceReason {
     Stated,
     /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
-    /// Both generations have the functions called, but only this one has these constants or types.
+    /// Both generations have the functions called, but only the chosen one has these constants or types.
     Constants(Vec<String>),
-    /// Both generations have the functions called, and for the other one the program does not compile.
+    /// Both generations have the functions called, but the program does not compile for the other generation.
     Compiles,
     /// Both generations have the functions called, and the line of the sim file is written for this generation's simulator.
     Dialect,
@@ -264,12 +264,17 @@ pub enum GenerationError {
     Include(PathBuf),
 }
 
-/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies: the generation that `hint` states;
-/// the only generation that has the functions called; the only one that has the constants and types used; the generation of the dialect;
-/// RoBIOS 6. Headers of the program are scanned, too.
+/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies:
+/// 1. the generation that `hint` states,
+/// 2. the only generation that has the functions called,
+/// 3. the only generation that has the constants and types used,
+/// 4. the generation of the dialect,
+/// 5. RoBIOS 6.
 ///
-/// The functions called take precedence over the dialect: in the dialect of one generation, sim files also name programs of the other
-/// one, which do not compile with the wrong header. Source: our choice.
+/// Headers of the program are scanned, too.
+///
+/// The functions called take precedence over the dialect: sim files in the dialect of one generation also name programs
+/// of the other generation, which do not compile with the wrong header. Source: our choice.
 ///
 /// If `folders` are given, whose paths must not contain links, only files in them are scanned.
 ///
@@ -416,8 +421,8 @@ fn code_of(source: &Path) -> Option<String> {
     Some(code_only(&String::from_utf8_lossy(&read_regular(source).ok()?)))
 }
 
-/// The variable with the handle from the only call of `init` in the only source, if it is in scope in the whole source: it is global, or
-/// the source has a single function.
+/// The variable that stores the handle from the only call of `init`, if the variable is in scope in the whole program:
+/// there is one source, and the variable is global or the source has a single function.
 fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
     let [code] = codes else { return None };
     let [offset] = calls_in(code, init)[..] else { return None };
@@ -429,8 +434,8 @@ fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
         .then_some(name)
 }
 
-/// Advice that converts `calls` to `generation`; `None` if one of them has no replacement there, if the changes are many, or if they need
-/// a handle that the program does not have.
+/// Advice that converts `calls` to `generation`. `None` if one of the calls has no replacement there, if the changes
+/// are many, or if they need a handle that the program does not have.
 fn conversion_advice(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
     let replacements = REPLACEMENTS[usize::from(generation == Generation::Robios6)];
     let mut replaced: Vec<(&str, String, Vec<&str>)> = Vec::new();
@@ -526,8 +531,8 @@ fn has_call(code: &str, name: &str) -> bool {
     !calls_in(code, name).is_empty()
 }
 
-/// The statement of the call of `name` at `offset`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
-/// statement or a brace. `place` converts a line into the text of a place.
+/// Parses the statement of the call of `name` at `offset`. Its line must be `CALL;`, `handle = CALL;` or `Type handle =
+/// CALL;`, and follow a whole statement or a brace. `place` converts a line into the text of a place.
 fn statement(code: &str, offset: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
     let start = code[..offset].rfind('\n').map_or(0, |end| end + 1);
     let call = code[offset + name.len()..].lines().next()?.trim().strip_suffix(';')?;
@@ -573,7 +578,8 @@ fn name_with_line(name: &str, sources: &[PathBuf]) -> String {
     format!("`{name}`{}", place.unwrap_or_default())
 }
 
-/// The only generation that has some of these constants, with those that it has; `None` if both generations have some, or neither has.
+/// The only generation that has any of these constants, with the constants that it has. `None` if both generations have
+/// some of them, or neither has any.
 fn generation_of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has_constant(name) && !generation.other().has_constant(name);

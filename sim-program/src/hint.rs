@@ -25,7 +25,7 @@ const ABSENT_HEADERS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Symbols of the library curses, of which almost every program for it uses one.
+/// Symbols of the library curses; almost every program for curses uses one of them.
 const CURSES_FUNCTIONS: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
 /// Functions of other systems, with their replacements in robot programs.
@@ -35,8 +35,8 @@ const FOREIGN_FUNCTIONS: &[(&[&str], &str)] = &[
     (&["GetTickCount"], "is a function of Windows: `OSGetCount` tells the time in ms"),
 ];
 
-/// Hints on the compiler's message `output` about `source`, one per line: missing headers, another encoding, typographic quotes; otherwise
-/// the message in plain words, or an empty text.
+/// Hints on the compiler's message `output` about `source`, one per line: missing headers, another encoding,
+/// typographic quotes. If there are none, returns the message in plain words, or an empty text.
 pub fn compile_hints(output: &str, source: &Path, generation: Generation) -> String {
     let text = fs::read(source).unwrap_or_default();
     let name = source.file_name().unwrap_or_default().display().to_string();

@@ -154,7 +154,7 @@ impl ProgramImage {
     }
 
     /// Number of memory mappings of one copy: one for each loaded segment, and the mappings that the dynamic linker
-    /// splits off: variables that start as zero, the part that is read-only after loading, gaps between segments.
+    /// splits off (variables that start as zero, the part that is read-only after loading, gaps between segments).
     pub fn mappings(&self) -> usize {
         self.parts.mappings
     }
@@ -192,19 +192,19 @@ impl ProgramImage {
         self.parts.destructors <= STANDARD_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
     }
 
-    /// Address ranges of the variables, relative to the base, if robots on one worker can share a copy: their flows can
-    /// share a thread, the copy can be unmapped, and the variables are few enough to be copied at each change of the
-    /// robot.
+    /// Address ranges of the variables, relative to the base, if robots on one worker can share a copy. This requires
+    /// that their flows can share a thread, that the copy can be unmapped, and that the variables are few enough to be
+    /// copied at each change of the robot.
     pub fn shared_variables(&self) -> Option<&[Range<usize>]> {
         let len: usize = self.parts.variables.iter().map(Range::len).sum();
         (self.why_thread_bound().is_none() && self.can_unmap() && (1..=MAX_SHARED_VARIABLES).contains(&len))
             .then_some(&self.parts.variables)
     }
 
-    /// Reason why several flows of this program cannot share a thread, as a text without its subject: ``calls `gettid`, ...``.
-    /// `None` if they can: no flow has state that is stored per thread, apart from `errno` and the floating-point environment,
-    /// which are saved when flows are switched. This is so if the program is in C, has no thread-local variables, uses no
-    /// libraries except the C library, and calls no function that acts on its thread.
+    /// Reason why several flows of this program cannot share a thread, as a text without its subject: ``calls `gettid`,
+    /// ...``. `None` if they can: no flow has state that is stored per thread, apart from `errno` and the
+    /// floating-point environment, which are saved when flows are switched. This holds for a program in C that has no
+    /// thread-local variables, uses no libraries except the C library, and calls no function that acts on its thread.
     pub fn why_thread_bound(&self) -> Option<&str> {
         self.parts.thread_bound.as_deref()
     }
@@ -236,14 +236,14 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of a call, given its return address minus one; `None` if it lies in the shim: the function has ended
-    /// with a tail call, so the return address is its caller's.
+    /// The line of a call, given its return address minus one. `None` if this address lies in the shim: the function
+    /// has ended with a tail call, so the return address is its caller's.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }
 
     /// The line of the innermost address in a call stack that lies in the program's own sources, not in its shim or in
-    /// the library of its language; if there is none, the innermost known line outside of the shim.
+    /// the library of its language. If there is none, returns the innermost known line outside of the shim.
     ///
     /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among
     /// them are ignored unless they point into code.

@@ -1,4 +1,5 @@
-//! Determines the kind of a file from its bytes: a library for this system, a program for another one, or another file.
+//! Determines the kind of a file from its bytes: a library for this system, a program for another system, or another
+//! file.
 
 use object::elf;
 use object::read::elf::ProgramHeader as _;

@@ -177,7 +177,7 @@ impl LoadedProgram {
         &self.prepared.name
     }
 
-    /// The program of which this is a copy.
+    /// The program that was copied.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
@@ -225,8 +225,9 @@ impl LoadedProgram {
         self.image.source_line(self.offset(address)?)
     }
 
-    /// The line in the program's own sources to which a call stack leads: `addresses` are the program counter, then return
-    /// addresses, innermost first; those outside of this copy are skipped. See [`ProgramImage::own_source_line`].
+    /// The line in the program's own sources to which a call stack leads. `addresses` are the program counter, then
+    /// return addresses, innermost first; addresses outside of this copy are skipped. See
+    /// [`ProgramImage::own_source_line`].
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         // An address outside of the copy becomes an offset outside of its image.
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
@@ -256,7 +257,7 @@ impl LoadedProgram {
     }
 
     /// A location in this program as text, such as `maze.c:88`.
-    pub fn place_of(&self, site: &CallSite) -> Option<String> {
+    pub fn location_of(&self, site: &CallSite) -> Option<String> {
         let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
             // A return address lies after the call instruction.
@@ -288,16 +289,17 @@ pub struct Loader {
     shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
     /// Number of robots that share copies so far.
     sharing_robots: usize,
-    /// Number of consecutive robots that are assigned to a worker before the next worker's turn, see [`deal`].
-    deal: usize,
+    /// Number of consecutive robots that are assigned to a worker before the next worker's turn, see
+    /// [`robots_per_turn`].
+    robots_per_turn: usize,
     /// Restrictions of programs that run in their own processes.
     sandbox: Option<Sandbox>,
 }
 
-/// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Neighbours
-/// in the list are often neighbours in the world, and detect each other; each worker gets four parts of the list, since
-/// robots in one part may have more to do than robots in another.
-pub fn deal(robots: usize, workers: usize) -> usize {
+/// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Robots that
+/// are neighbours in the list are often neighbours in the world, and detect each other. Each worker gets four parts of
+/// the list, since robots in one part may have more to do than robots in another part.
+pub fn robots_per_turn(robots: usize, workers: usize) -> usize {
     (robots / (4 * workers.max(1))).max(1)
 }
 
@@ -314,7 +316,7 @@ impl Loader {
             libraries: BTreeMap::new(),
             shared_copies: BTreeMap::new(),
             sharing_robots: 0,
-            deal: 1,
+            robots_per_turn: 1,
             sandbox: None,
         })
     }
@@ -348,9 +350,9 @@ impl Loader {
         Ok(Some(scratch))
     }
 
-    /// Sets the number of consecutive robots that are assigned to a worker, see [`deal`].
-    pub fn set_deal(&mut self, robots: usize) {
-        self.deal = robots;
+    /// Sets the number of consecutive robots that are assigned to a worker, see [`robots_per_turn`].
+    pub fn set_robots_per_turn(&mut self, robots: usize) {
+        self.robots_per_turn = robots;
     }
 
     /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
@@ -392,7 +394,7 @@ impl Loader {
         places: &[Range<usize>],
         workers: usize,
     ) -> Result<Arc<SharedCopy>, LoadError> {
-        let worker = (self.sharing_robots / self.deal % workers.max(1)) as u32;
+        let worker = (self.sharing_robots / self.robots_per_turn % workers.max(1)) as u32;
         self.sharing_robots += 1;
         let key = (Arc::as_ptr(prepared).addr(), worker);
         if let Some((_, copy)) = self.shared_copies.get(&key) {
@@ -412,8 +414,8 @@ impl Loader {
         Ok(opened)
     }
 
-    /// The file from which robots' own processes load `prepared`: a copy whose pages all of them share. It exists as long as the
-    /// loader. `arguments` are only checked.
+    /// The file that robots' own processes load for `prepared`: a copy whose pages all these processes share. It exists
+    /// as long as the loader. `arguments` are only checked.
     ///
     /// # Errors
     /// [`LoadError`] if according to the file it is not a program for this eyesim.

@@ -153,7 +153,7 @@ impl Message<'_> {
         self.plain_words_from_code().or_else(|| self.plain_words_from_text())
     }
 
-    /// Words for mistakes that the program's line shows better than the compiler's text.
+    /// Explains a mistake that the program's line shows better than the compiler's text.
     fn plain_words_from_code(&self) -> Option<String> {
         let line = self.code()?;
         let is_continued = self.is_continued(line);
@@ -527,7 +527,7 @@ impl Message<'_> {
                 || is_unknown && (print_arguments(line).is_some() || self.quoted(0).is_some_and(touches)))
     }
 
-    /// Words for a missing name in a function.
+    /// Explains a missing name in a function.
     fn missing_name(&self) -> Option<String> {
         Some(match self.found_token()? {
             word if is_word(word) => format!("`{word}` is a word of the language: give the variable another name"),
@@ -555,7 +555,7 @@ impl Message<'_> {
         code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(is_name_end))
     }
 
-    /// Words for the pointer `name`, which is used before it has a value.
+    /// Explains the pointer `name`, which is used before it has a value.
     fn pointer_without_value(&self, name: &str) -> String {
         if self.text.contains("may be used") {
             return format!(
@@ -580,7 +580,7 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a declaration that is the only statement of an `if` or a loop.
+    /// Explains a declaration that is the only statement of an `if` or a loop.
     fn declaration_in_clause(&self) -> Option<String> {
         let (left, right) = self.split_code()?;
         let is_declared = |word: &&&str| starts_with_word(right, word);
@@ -604,7 +604,7 @@ impl Message<'_> {
         })
     }
 
-    /// Words for a keyword of C++ that the line declares as a variable: `int class`.
+    /// Explains a keyword of C++ that the line declares as a variable: `int class`.
     fn cpp_keyword_as_name(&self) -> Option<String> {
         let right = self.split_code()?.1;
         let kind = TYPES.iter().find(|kind| starts_with_word(right, kind))?;
@@ -673,7 +673,7 @@ impl Message<'_> {
         self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next())
     }
 
-    /// Words for a returned address of a variable that is gone when its function ends.
+    /// Explains a returned address of a variable that is gone when its function ends.
     fn returned_local(&self) -> String {
         let note = self.details.iter().position(|line| line.contains("note: declared here"));
         let declared = note.and_then(|note| {
@@ -697,7 +697,7 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a function or variable with two definitions.
+    /// Explains a function or variable with two definitions.
     fn defined_twice(&self) -> Option<String> {
         // g++ prints the whole signature: `int home(int)`.
         let name = self.quoted(0)?.split('(').next()?.rsplit([' ', '*', '&']).next()?;
@@ -709,7 +709,7 @@ impl Message<'_> {
         Some(format!("`{name}` is {definitions}: delete one of them, or give it another name"))
     }
 
-    /// Words for a name where a type belongs.
+    /// Explains a name where a type belongs.
     fn unknown_type(&self) -> Option<String> {
         let name = self.quoted(0)?;
         let kinds = ["struct", "enum", "union"];
@@ -736,7 +736,7 @@ impl Message<'_> {
         })
     }
 
-    /// Words for a line that begins with a misspelt keyword: `whlie (x)`.
+    /// Explains a line that begins with a misspelt keyword: `whlie (x)`.
     fn misspelt_first_word(&self) -> Option<String> {
         let code = self.code()?.trim_start();
         let word = code.split(|c| !is_name(c)).next()?;
@@ -745,7 +745,7 @@ impl Message<'_> {
         misspelt_keyword(word).filter(|_| count <= 1)
     }
 
-    /// Words for a missing `mark`; the message's column is after the last word before the mark.
+    /// Explains a missing punctuation mark, `mark`; the message's column is after the last word before the mark.
     fn missing_mark(&self, mark: &str) -> String {
         let (code, found) = (self.code(), self.found_token());
         let is_open = |code: &str| code.matches('(').count() > code.matches(')').count();
@@ -766,7 +766,7 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a format such as `%d` with a value of another type.
+    /// Explains a format such as `%d` with a value of another type.
     fn wrong_format(&self) -> Option<String> {
         let (format, expected, given) = (self.quoted(0)?, self.quoted(1)?, self.quoted(2)?);
         let is_address = expected.ends_with('*');
@@ -788,7 +788,7 @@ impl Message<'_> {
         })
     }
 
-    /// Words for an unknown name.
+    /// Explains an unknown name.
     fn undeclared(&self) -> Option<String> {
         let name = self.quoted(0)?;
         let header = self.details.iter().find_map(|line| line.split_once("defined in header '")?.1.split('\'').next());
@@ -823,7 +823,7 @@ impl Message<'_> {
         })
     }
 
-    /// Words for two words without a mark between them; the message is at the second word.
+    /// Explains two words without a mark between them; the message is at the second word.
     fn separated_words(&self, second: &str) -> String {
         let left = self.split_code().unwrap_or_default().0.trim_end();
         if left.is_empty() {
@@ -837,7 +837,7 @@ impl Message<'_> {
         format!("{missing}, or `{first} {second}` is one name: write `{first}_{second}`")
     }
 
-    /// Words for a `{` or a `;` that is missing above the line, whichever is likelier.
+    /// Explains a `{` or a `;` that is missing above the line: the likelier one of the two.
     fn missing_above(&self) -> String {
         let code = code_only(self.source);
         let line_index = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
@@ -846,7 +846,7 @@ impl Message<'_> {
             Some((index, head)) if !head.contains(['(', '#']) && head.trim_end().ends_with(is_name) => {
                 format!("a `;` is missing at the end of line {}", index + 1)
             }
-            // An unfinished declaration, with another one below it.
+            // An unfinished declaration, with another declaration below it.
             Some((index, _)) if code.lines().nth(line_index).is_some_and(begins_function) => {
                 format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
             }
@@ -857,8 +857,8 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a missing `;` after the first line of a function, directly above another function; the message is at the `{` of the
-    /// latter.
+    /// Explains a missing `;` after the first line of a function, directly above another function; the message is at
+    /// the `{` of that function.
     fn missing_after_head(&self) -> Option<String> {
         let code = code_only(self.source);
         let line_index = self.line.parse::<usize>().ok()?.checked_sub(1)?;
@@ -869,7 +869,7 @@ impl Message<'_> {
             .then(|| format!("a `;` is missing at the end of line {}", first + 1))
     }
 
-    /// Words for a function that is called and not declared.
+    /// Explains a function that is called and not declared.
     fn unknown_function(&self, name: &str) -> String {
         let first_line_below = self.line.parse().unwrap_or(usize::MAX);
         let code = code_only(self.source);
@@ -891,7 +891,7 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a function inside another one.
+    /// Explains a function inside another function.
     fn nested_function(&self) -> String {
         let name = |head: &str| head.split('(').next()?.rsplit([' ', '*', '&']).next().map(str::to_owned);
         let code = code_only(self.source);
@@ -903,7 +903,7 @@ impl Message<'_> {
         format!("`{inner}` cannot be written within `{outer}`: move it out of `{outer}`, above its first line")
     }
 
-    /// Words for an unknown `name` that is followed by another word, as in `my speed`, and cannot be a type.
+    /// Explains an unknown `name` that is followed by another word, as in `my speed`, and cannot be a type.
     fn split_name(&self, name: &str) -> Option<String> {
         let (left, code) = self.split_code()?;
         let rest = code.strip_prefix(name)?.strip_prefix(' ')?;
@@ -930,7 +930,7 @@ impl Message<'_> {
         declared.map_or_else(String::new, |code| format!(": `{}`", code.trim_end_matches(';')))
     }
 
-    /// Words for a text or an index beyond its array. The messages of gcc contain sizes in bytes, its notes the array.
+    /// Explains a text or an index beyond its array. The messages of gcc contain sizes in bytes, its notes the array.
     fn overflow(&self) -> Option<String> {
         let code = self.code().unwrap_or_default();
         let texts = || std::iter::once(self.text).chain(self.details.iter().copied());
@@ -938,7 +938,7 @@ impl Message<'_> {
         let object = text_after("object '").or_else(|| text_after("referencing '")).map(source_name);
         let is_allocated = texts().any(|text| text.contains(" allocated by '"));
         let call = self.writing_call();
-        // Destination of a function that writes a text to its end.
+        // Destination of a function that writes a text up to the text's end.
         let text_destination =
             call.filter(|(function, _)| TEXT_WRITING_FUNCTIONS.contains(function)).map(|(_, destination)| destination);
         let subscript = ["array subscript ", "array index "].iter().find_map(|words| self.text.split_once(words));
@@ -1053,7 +1053,7 @@ impl Message<'_> {
         (!destination.is_empty()).then_some((function, destination))
     }
 
-    /// Words for an index outside of an array or of memory; `rest` is the text of gcc after `array subscript `.
+    /// Explains an index outside of an array or of memory; `rest` is the text of gcc after `array subscript `.
     fn wrong_index(&self, rest: &str, object: Option<&str>, is_allocated: bool) -> Option<String> {
         let kind = quoted(rest, 0);
         if rest.starts_with('\'') {
@@ -1099,8 +1099,8 @@ impl Message<'_> {
         })
     }
 
-    /// Words for a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop may instead have
-    /// a number that becomes too large.
+    /// Explains a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop
+    /// may instead have a number that becomes too large.
     fn overrun_by_loop(&self) -> Option<String> {
         let blanked = code_only(self.code().unwrap_or_default());
         let accesses = self.accesses().unwrap_or_default();
@@ -1125,7 +1125,7 @@ impl Message<'_> {
         })
     }
 
-    /// Words for an argument of a wrong type.
+    /// Explains an argument of a wrong type.
     fn wrong_argument(&self) -> Option<String> {
         let note = self.details.iter().find(|line| line.contains("note: expected '"));
         let (expected, given) = match note {
@@ -1199,7 +1199,7 @@ pub fn is_empty_clause(code: &str) -> bool {
     is_clause && end.is_some_and(|end| code[end + 1..].trim() == ";")
 }
 
-/// Words for a line with an odd number of quotes.
+/// Explains a line with an odd number of quotes.
 fn missing_quote(line: &str) -> Option<&'static str> {
     let mut rest = line;
     let mut open = None;
@@ -1228,7 +1228,8 @@ fn print_arguments(code: &str) -> Option<&str> {
     ["LCDPrintf(", "printf(", "std::printf("].iter().find_map(|call| code.strip_prefix(call))
 }
 
-/// The keyword that `word` resembles: their edit distance is at most 1, or 2 for long keywords; swapped neighbouring letters are one edit.
+/// The keyword that `word` resembles. Their edit distance is at most 1, or 2 for long keywords; swapped neighbouring
+/// letters are one edit.
 fn similar_keyword(word: &str) -> Option<&'static str> {
     let max_distance = |keyword: &str| {
         let has_same_start = word.len().abs_diff(keyword.len()) <= 1 && word.chars().next() == keyword.chars().next();
@@ -1243,7 +1244,7 @@ fn similar_keyword(word: &str) -> Option<&'static str> {
         .filter(|keyword| *keyword != word && (word.len() > 2 || is_other_case(keyword)))
 }
 
-/// Words for a misspelt keyword; `None` for other words.
+/// Explains a misspelt keyword; `None` for other words.
 fn misspelt_keyword(word: &str) -> Option<String> {
     if ["elseif", "elsif", "elif"].contains(&word) {
         return Some(format!("`{word}` is not defined: write `else if`"));
@@ -1251,7 +1252,7 @@ fn misspelt_keyword(word: &str) -> Option<String> {
     similar_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
 }
 
-/// Words for a value of the type `given` in place of one of the type `expected`.
+/// Explains a value of the type `given` in place of one of the type `expected`.
 fn type_mismatch(expected: &str, given: &str) -> String {
     if expected == "char" && ["char *", "char*", "const char *", "const char*"].contains(&given) {
         return "a single letter is written between `'`, as in `'a'`; a text between `\"` is a `const char *`"
@@ -1263,7 +1264,7 @@ fn type_mismatch(expected: &str, given: &str) -> String {
     format!("a value of type `{given}` stands where one of type `{expected}` belongs")
 }
 
-/// Words for a name of the C++ library without its header and `std::`.
+/// Explains a name of the C++ library without its header and `std::`.
 fn belongs_to_cpp(name: &str) -> String {
     let header = match name {
         "cin" | "cout" | "endl" => "iostream",
@@ -1273,7 +1274,7 @@ fn belongs_to_cpp(name: &str) -> String {
     format!("`{name}` belongs to the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
 }
 
-/// Words for a name of the C++ library in a C program.
+/// Explains a name of the C++ library in a C program.
 fn not_a_c_type(name: &str) -> String {
     match name {
         "string" => "C has no type `string`: a text is a `const char *`".to_owned(),
@@ -1353,8 +1354,8 @@ fn array_length(kind: &str) -> Option<u64> {
     kind.split_once('[')?.1.split(']').next()?.parse().ok()
 }
 
-/// Words for the length of an array and its indices: ``, which has 4 elements with the indices 0 to 3``; a general rule if the length is
-/// unknown.
+/// Describes the length of an array and its indices: ``, which has 4 elements with the indices 0 to 3``; returns a
+/// general rule if the length is unknown.
 fn valid_indices(len: Option<u64>) -> String {
     match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
         Some((1, _)) => ", which has 1 element with the index 0".to_owned(),

@@ -35,8 +35,8 @@ pub fn in_plain_words(output: &str) -> String {
     words.unwrap_or_default()
 }
 
-/// Words for an unknown method, variant or function: with the name that the compiler suggests, else with the most similar methods if the
-/// type is one of `robios_api`.
+/// Explains an unknown method, variant or function: with the name that the compiler suggests, else with the most
+/// similar methods if the type is one of `robios_api`.
 fn unknown_name(message: &str) -> Option<String> {
     let is_head =
         |line: &&str| line.starts_with("error[E0599]: no ") || line.starts_with("error[E0425]: cannot find function ");

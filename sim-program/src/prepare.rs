@@ -22,7 +22,7 @@ pub struct Prepared {
     pub source: ProgramSource,
     /// Code that robots load.
     pub code: Code,
-    /// Output of the compiler, from this build or from the earlier one whose library is used.
+    /// Output of the compiler, from this build or from the earlier build of the library.
     pub output: String,
     /// A compiler has run for this build.
     pub compiled: bool,

@@ -104,7 +104,7 @@ pub enum PythonError {
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,
-        /// Its output when asked for its version.
+        /// Its output when it is queried for its version.
         answer: String,
     },
     /// The module `eye` cannot be written into the cache.

@@ -61,7 +61,7 @@ impl Programs {
                 match searched.entry(key).or_insert_with(|| find(program)) {
                     Ok(found) => Some(found.clone().with_hint(generation_hint(robot))),
                     Err(error) => {
-                        push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
+                        push_new(&mut mistakes, format!("{}: {error}", location_of(scene, program)));
                         None
                     }
                 }
@@ -132,7 +132,7 @@ pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
 }
 
 /// Location of the reference `program`: `line.sim:3`, or the option of the command line.
-fn place_of(scene: &SceneSpec, program: &SpannedText) -> String {
+fn location_of(scene: &SceneSpec, program: &SpannedText) -> String {
     if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }
 

@@ -1,8 +1,8 @@
 //! Sharing of code pages among all copies of a library.
 //!
-//! Each robot has a copy of the library's file, for its own variables. The parts that never change (code and constants) are mapped
-//! again from one common file after loading: a thousand robots then run on one set of pages, which stays in the processor's caches,
-//! instead of a thousand sets. The corresponding pages of the copy's file are freed.
+//! Each robot has a copy of the library's file, for its own variables. The parts that never change (code and constants)
+//! are mapped again from one common file after loading. A thousand robots then run on one set of pages instead of a
+//! thousand sets, and this set stays in the processor's caches. The corresponding pages of the copy's file are freed.
 
 use std::fs::File;
 use std::ops::Range;

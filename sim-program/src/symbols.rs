@@ -19,8 +19,8 @@ const CPP_LIBRARY: &[&str] = &["syscall", "getenv", "secure_getenv", "uselocale"
 /// Source: programs built with Rust 1.95.
 const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sigaction", "syscall", "write", "writev"];
 
-/// Warnings about imports of `image` that make runs nondeterministic: one line for each reason, with the names of the
-/// functions; `name` is the program's. In a C program built by eyesim these are only functions that no shim interposes.
+/// Warnings about imports of `image` that make runs nondeterministic, one line for each reason, with the names of the
+/// functions. `name` is the program's. In a C program built by eyesim these are only functions that no shim interposes.
 ///
 /// In Rust programs, imports that every program has because of the standard library are ignored, so `println!` and the
 /// order of a `HashMap` are not reported, see `docs/programs.md`.

@@ -372,7 +372,7 @@ fn each_copy_has_its_own_globals() {
         assert_eq!(run(program), 111);
         assert_eq!(run(program), 212);
     }
-    // All copies share code and constants with the first one, but not variables.
+    // All copies share code and constants with the first copy, but not variables.
     assert!(!library_image(&prepared).read_only_segments().is_empty());
     if let Ok(maps) = fs::read_to_string("/proc/self/maps") {
         let inode_of = |program: &LoadedProgram| {

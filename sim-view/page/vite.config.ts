@@ -1,6 +1,7 @@
 import { defineConfig } from "vite";
 
-// One script and one style sheet with fixed names and no other files, so that the server can inline both into one file.
+// Builds one script and one style sheet with fixed names and no other files, so that the server can inline both into
+// one file.
 export default defineConfig({
   base: "./",
   build: {

@@ -22,10 +22,10 @@ pub struct Page {
 pub struct NoPage(String);
 
 impl Page {
-    /// Loads the embedded page or, in a checkout, the page built there. Calls `say` if the page has to be built first,
-    /// which takes several seconds to a minute.
+    /// Loads the embedded page or, in a checkout, the page built there. Calls `report` if the page has to be built
+    /// first, which takes several seconds to a minute.
     #[must_use]
-    pub fn load(mut say: impl FnMut(&str)) -> Page {
+    pub fn load(mut report: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {
             let files = EMBEDDED.iter().map(|(name, content)| ((*name).to_owned(), Bytes::from_static(content)));
             return Page { files: Ok(files.collect()) };
@@ -34,7 +34,7 @@ impl Page {
         if !folder.is_dir() {
             return Page::missing("this eyesim was built without its page, and its sources are not here");
         }
-        match build::built(&folder, &mut say) {
+        match build::built(&folder, &mut report) {
             Ok(files) => Page::of(files),
             Err(why) => Page::missing(&why),
         }

@@ -152,10 +152,10 @@ impl Window {
         self.hub.show_layers(layers);
     }
 
-    /// Reports events; the last 20,000 of the run are kept for pages that connect later. Events of kind `call` go only to pages
-    /// that request the calls of this robot.
-    pub fn tell(&self, events: Vec<Event>) {
-        self.hub.tell(events);
+    /// Adds events; the last 20,000 of the run are kept for pages that connect later. Events of kind `call` go only to
+    /// pages that request the calls of this robot.
+    pub fn add_events(&self, events: Vec<Event>) {
+        self.hub.add_events(events);
     }
 
     /// Shows the progress of building the programs.
@@ -205,8 +205,8 @@ impl Drop for Window {
     }
 }
 
-/// Address at which other machines reach this one. An unspecified address is replaced by the local address of the route to
-/// an outside address; finding this route sends nothing.
+/// Address at which other machines reach this machine. An unspecified address is replaced by the local address of the
+/// route to an outside address; finding this route sends nothing.
 fn reachable_address(ip: IpAddr) -> IpAddr {
     if !ip.is_unspecified() {
         return ip;

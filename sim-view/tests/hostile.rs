@@ -1,4 +1,4 @@
-//! Hostile clients: the server refuses or survives them, and still serves the others.
+//! Hostile clients: the server refuses or survives them, and continues to serve all other clients.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by them")]
 
@@ -24,7 +24,7 @@ impl Witness {
         Witness { page: Client::hello(window, None).0, number: 0 }
     }
 
-    /// Checks that this page, and another that connects now, can watch and act.
+    /// Checks that this page, and another page that connects now, can watch and act.
     fn check(&mut self, window: &Window) {
         self.check_alone(window);
         Witness::new(window).check_alone(window);
@@ -34,7 +34,7 @@ impl Witness {
         self.number += 1;
         let t_s = f64::from(self.number);
         window.show(snapshot(t_s), vec![]);
-        while self.page.hear_type("snapshot")["t_s"] != t_s {}
+        while self.page.receive_type("snapshot")["t_s"] != t_s {}
         self.page.act(self.number);
         let mut pending = None;
         until("the command", || {
@@ -42,7 +42,7 @@ impl Witness {
             pending.is_some()
         });
         pending.unwrap().accept();
-        assert_eq!(self.page.hear_answer(), (u64::from(self.number), None));
+        assert_eq!(self.page.receive_answer(), (u64::from(self.number), None));
     }
 }
 
@@ -55,7 +55,7 @@ fn origins_and_hosts() {
         let head =
             format!("{host}{origin}{}\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n", upgrade.join("\r\n"));
         let mut stream = TcpStream::connect(window.address()).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         stream.write_all(format!("GET /ws HTTP/1.1\r\n{head}").as_bytes()).unwrap();
         let mut answer = [0; 2048];
         let length = stream.read(&mut answer).unwrap();
@@ -154,7 +154,7 @@ fn requests() {
 }
 
 #[test]
-fn a_missing_page_says_why() {
+fn a_missing_page_shows_the_reason() {
     let window = Window::open(options("127.0.0.1:0", Access::Local), Page::missing("there is no Node.js")).unwrap();
     let answer = get(&window, "/", &[&format!("Host: {}", window.address())]);
     assert!(answer.starts_with("HTTP/1.1 503 ") && answer.ends_with("there is no Node.js"), "{answer}");
@@ -162,10 +162,10 @@ fn a_missing_page_says_why() {
 }
 
 #[test]
-fn messages_that_are_none() {
+fn malformed_messages_are_refused() {
     let window = local();
     let mut witness = Witness::new(&window);
-    let hello = |client: &mut Client| client.say(&json!({ "type": "hello", "protocol": 1, "token": null }));
+    let hello = |client: &mut Client| client.send_json(&json!({ "type": "hello", "protocol": 1, "token": null }));
     let nested = format!("{}{}", "[".repeat(30_000), "]".repeat(30_000));
     let deep = format!(r#"{{"type":"act","number":1,"command":{}}}"#, nested);
     for (text, why) in [
@@ -190,37 +190,37 @@ fn messages_that_are_none() {
             if !is_first {
                 hello(&mut client);
             }
-            client.say_text(text);
+            client.send_text(text);
             if is_first && text.contains("hello") {
                 continue;
             }
-            let (code, said) = client.hear_close().unwrap();
-            assert_eq!(code, 4400, "{said}");
-            assert!(said.contains(why), "{why}: {said}");
+            let (code, reason) = client.receive_close().unwrap();
+            assert_eq!(code, 4400, "{reason}");
+            assert!(reason.contains(why), "{why}: {reason}");
         }
     }
     let mut client = Client::connect(&window);
     client.send(Message::binary(vec![0xff; 1000])).unwrap();
-    assert_eq!(client.hear_close(), Some((1003, "messages are texts".into())));
+    assert_eq!(client.receive_close(), Some((1003, "messages are texts".into())));
     witness.check(&window);
 }
 
 #[test]
-fn messages_that_are_too_long() {
+fn too_long_messages_are_refused() {
     let window = local();
     let mut witness = Witness::new(&window);
     for bytes in [65_537, 10_000_000] {
         let (mut client, _) = Client::hello(&window, None);
-        // The server reads the length only, and may have disconnected before all is sent.
+        // The server reads only the length of the message, and may disconnect before the message is sent completely.
         let sent = client.send(Message::text("x".repeat(bytes)));
-        if let Some(close) = client.hear_close() {
+        if let Some(close) = client.receive_close() {
             assert_eq!(close, (1009, "messages have at most 65536 bytes".into()), "{sent:?}");
         }
         witness.check(&window);
     }
     let (mut client, _) = Client::hello(&window, None);
-    client.say_text(&format!("{}{{", " ".repeat(65_535)));
-    assert_eq!(client.hear_close().unwrap().0, 4400, "65,536 bytes are read");
+    client.send_text(&format!("{}{{", " ".repeat(65_535)));
+    assert_eq!(client.receive_close().unwrap().0, 4400, "65,536 bytes are read");
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn a_thousand_connections() {
     let mut witness = Witness::new(&window);
     let mut held = Vec::new();
     for number in 0..1_000 {
-        // If the system has fewer descriptors, fewer connections must do.
+        // If the system allows fewer descriptors, the test opens fewer connections.
         let Ok(mut stream) = TcpStream::connect(window.address()) else { break };
         if number % 2 == 0 {
             // A client that sends its request slowly.
@@ -243,7 +243,7 @@ fn a_thousand_connections() {
     assert!(held.len() >= 400, "{}", held.len());
     witness.check(&window);
     for mut stream in held {
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         let mut answer = Vec::new();
         let is_over = match stream.read_to_end(&mut answer) {
             Ok(_) => true,
@@ -255,7 +255,7 @@ fn a_thousand_connections() {
 }
 
 #[test]
-fn more_pages_than_there_is_room_for() {
+fn too_many_pages_are_refused() {
     let window = local();
     let mut pages: Vec<_> = (0..64).map(|_| Client::hello(&window, None).0).collect();
     let mut others: Vec<_> = (0..100).map(|_| Client::try_connect(&window)).collect();
@@ -264,7 +264,7 @@ fn more_pages_than_there_is_room_for() {
         match other {
             Ok(client) => {
                 turned_away += 1;
-                assert_eq!(client.hear_close(), Some((1013, "64 pages are open already".into())));
+                assert_eq!(client.receive_close(), Some((1013, "64 pages are open already".into())));
             }
             Err(why) => assert!(why.contains("503"), "{why}"),
         }
@@ -273,7 +273,7 @@ fn more_pages_than_there_is_room_for() {
     assert_eq!(window.pages(), 64);
     window.show(snapshot(1.0), vec![]);
     for page in &mut pages {
-        page.hear_type("snapshot");
+        page.receive_type("snapshot");
     }
     drop((pages, others));
     until("all have gone", || window.pages() == 0);
@@ -289,14 +289,14 @@ fn a_flood_of_commands_is_refused() {
         flood.act(number);
     }
     for number in 33..=200 {
-        assert_eq!(flood.hear_answer(), (number, Some("too many commands of this page wait already".into())));
+        assert_eq!(flood.receive_answer(), (number, Some("too many commands of this page wait already".into())));
     }
     for number in 1..=32 {
         window.commands().try_recv().unwrap().accept();
-        assert_eq!(flood.hear_answer(), (number, None));
+        assert_eq!(flood.receive_answer(), (number, None));
     }
     witness.check(&window);
-    // Many pages send commands that are not taken: 256 wait, the others are refused.
+    // Many pages send commands that the simulation does not take: 256 commands wait, all others are refused.
     let mut pages: Vec<_> = (0..10).map(|_| Client::hello(&window, None).0).collect();
     for (page, robot) in pages.iter_mut().zip(1..) {
         (1..=32).for_each(|number| page.act(number));
@@ -305,12 +305,12 @@ fn a_flood_of_commands_is_refused() {
     }
     for page in &mut pages[8..] {
         for number in 1..=32 {
-            assert_eq!(page.hear_answer(), (number, Some("too many commands wait already".into())));
+            assert_eq!(page.receive_answer(), (number, Some("too many commands wait already".into())));
         }
     }
     assert_eq!(std::iter::from_fn(|| window.commands().try_recv()).map(|pending| pending.accept()).count(), 256);
     for page in &mut pages[..8] {
-        (1..=32).for_each(|number| assert_eq!(page.hear_answer(), (number, None)));
+        (1..=32).for_each(|number| assert_eq!(page.receive_answer(), (number, None)));
     }
 }
 

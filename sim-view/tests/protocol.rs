@@ -21,37 +21,37 @@ fn next(window: &Window) -> PendingCommand {
 }
 
 #[test]
-fn hello_is_answered_with_all_there_is_to_see() {
+fn hello_is_answered_with_the_whole_state() {
     let window = local();
     assert!(!window.has_pages());
     window.show_scene(scene(1));
     window.show(snapshot(2.5), vec![]);
-    window.tell(vec![event(1, "contact", 1)]);
+    window.add_events(vec![event(1, "contact", 1)]);
     let (mut page, welcome) = Client::hello(&window, None);
     assert_eq!(
         welcome,
         json!({ "type": "welcome", "protocol": PROTOCOL, "version": "1.2.3", "title": "a scene", "may_act": true })
     );
-    let message = page.hear();
+    let message = page.receive();
     assert_eq!(
         (&message["type"], &message["run"], &message["robots"][0]["name"]),
         (&json!("scene"), &json!(1), &json!("one"))
     );
-    let message = page.hear();
+    let message = page.receive();
     assert_eq!((&message["type"], &message["t_s"]), (&json!("snapshot"), &json!(2.5)));
-    let told = page.hear();
+    let received = page.receive();
     let expected =
         json!({ "number": 1, "t_s": 1.0, "robot": 1, "kind": "contact", "text": "event \"1\"", "fields": { "n": 1 } });
-    assert_eq!(told, json!({ "type": "events", "events": [expected], "missed": 0 }));
+    assert_eq!(received, json!({ "type": "events", "events": [expected], "missed": 0 }));
     assert!(window.has_pages());
     window.build(Build::Failed { output: "no".into() });
-    assert_eq!(page.hear(), json!({ "type": "build", "state": "failed", "output": "no" }));
+    assert_eq!(page.receive(), json!({ "type": "build", "state": "failed", "output": "no" }));
     drop(page);
     until("the page has gone", || !window.has_pages());
 }
 
 #[test]
-fn layers_go_to_pages_that_look_at_their_robot() {
+fn layers_go_to_pages_that_have_selected_the_robot() {
     let window = local();
     window.show_scene(scene(1));
     let layer = |robot, name: &str, t_s| Layer {
@@ -65,25 +65,25 @@ fn layers_go_to_pages_that_look_at_their_robot() {
     window.show_layers(vec![layer(1, "map", 0.1), layer(1, "path", 0.2), layer(2, "map", 0.3)]);
     window.show_layers(vec![layer(1, "map", 0.4)]);
     let (mut page, _) = Client::hello(&window, None);
-    assert_eq!(page.hear()["type"], "scene");
-    page.say(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
+    assert_eq!(page.receive()["type"], "scene");
+    page.send_json(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
     let frame = json!({ "x_m": 1.0, "y_m": 2.0, "phi_rad": 0.5 });
     let expected = |robot: u32, name: &str, t_s: f64| {
         let content = json!({ "kind": "points", "positions": "" });
         json!({ "type": "layer", "run": 1, "robot": robot, "name": name, "t_s": t_s, "frame": frame, "content": content })
     };
-    assert_eq!(page.hear(), expected(1, "map", 0.4), "the last one of its name");
-    assert_eq!(page.hear(), expected(1, "path", 0.2));
+    assert_eq!(page.receive(), expected(1, "map", 0.4), "the last one of its name");
+    assert_eq!(page.receive(), expected(1, "path", 0.2));
     window.show_layers(vec![layer(2, "map", 0.5), layer(1, "path", 0.6)]);
-    assert_eq!(page.hear(), expected(1, "path", 0.6));
-    page.say(&json!({ "type": "look", "robot": 2, "camera": false, "calls": false }));
-    assert_eq!(page.hear(), expected(2, "map", 0.5));
-    page.say(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
-    assert_eq!([page.hear(), page.hear()], [expected(1, "map", 0.4), expected(1, "path", 0.6)], "again");
+    assert_eq!(page.receive(), expected(1, "path", 0.6));
+    page.send_json(&json!({ "type": "look", "robot": 2, "camera": false, "calls": false }));
+    assert_eq!(page.receive(), expected(2, "map", 0.5));
+    page.send_json(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
+    assert_eq!([page.receive(), page.receive()], [expected(1, "map", 0.4), expected(1, "path", 0.6)], "again");
     window.show_scene(scene(2));
-    assert_eq!(page.hear()["type"], "scene");
+    assert_eq!(page.receive()["type"], "scene");
     window.build(Build::Done);
-    assert_eq!(page.hear()["type"], "build", "another run has no layers yet");
+    assert_eq!(page.receive()["type"], "build", "another run has no layers yet");
 }
 
 #[test]
@@ -101,24 +101,24 @@ fn first_message_decides() {
         ),
     ] {
         let mut page = Client::connect(&window);
-        page.say(&first);
-        assert_eq!(page.hear_close(), Some((code, why.into())), "{first}");
+        page.send_json(&first);
+        assert_eq!(page.receive_close(), Some((code, why.into())), "{first}");
     }
     assert!(!window.has_pages());
     assert!(window.looks().is_empty());
     let mut silent = Client::connect(&window);
-    assert_eq!(silent.hear_close(), Some((4408, "no `hello` within 5 s".into())));
+    assert_eq!(silent.receive_close(), Some((4408, "no `hello` within 5 s".into())));
 }
 
 #[test]
-fn only_who_has_the_token_may_act() {
+fn only_pages_with_the_token_may_act() {
     let window = class();
     assert_eq!(window.url(), format!("http://{}/#token=secret", window.address()));
     assert_eq!(window.public_url(), format!("http://{}/", window.address()));
     let (mut watcher, welcome) = Client::hello(&window, None);
     assert_eq!(welcome["may_act"], false);
     watcher.act(7);
-    assert_eq!(watcher.hear_answer(), (7, Some("this page may only watch: it has no token".into())));
+    assert_eq!(watcher.receive_answer(), (7, Some("this page may only watch: it has no token".into())));
     assert!(window.commands().try_recv().is_none());
     let (mut teacher, welcome) = Client::hello(&window, Some("secret"));
     assert_eq!(welcome["may_act"], true);
@@ -126,7 +126,7 @@ fn only_who_has_the_token_may_act() {
     let pending = next(&window);
     assert_eq!(pending.command, Command::Step {});
     pending.accept();
-    assert_eq!(teacher.hear_answer(), (8, None));
+    assert_eq!(teacher.receive_answer(), (8, None));
     watcher.look(Some(1), false);
     until("watchers may look", || !window.looks().is_empty());
 }
@@ -141,7 +141,7 @@ fn commands_are_answered_by_their_numbers() {
         (2, json!({ "command": "speed", "factor": null })),
         (3, json!({ "command": "restart", "seed": { "number": "18446744073709551615" } })),
     ] {
-        page.say(&json!({ "type": "act", "number": number, "command": command }));
+        page.send_json(&json!({ "type": "act", "number": number, "command": command }));
     }
     let pending = [next(&window), next(&window), next(&window)];
     let action = Action::PlaceRobot { robot: 1, x_m: 0.1, y_m: 0.2, phi_rad: 0.3 };
@@ -150,20 +150,20 @@ fn commands_are_answered_by_their_numbers() {
     assert_eq!(pending[2].command, Command::Restart { seed: Seed::Number("18446744073709551615".into()) });
     let [first, second, third] = pending;
     second.refuse("not now");
-    assert_eq!(page.hear_answer(), (2, Some("not now".into())));
+    assert_eq!(page.receive_answer(), (2, Some("not now".into())));
     first.accept();
-    assert_eq!(page.hear_answer(), (1, None));
+    assert_eq!(page.receive_answer(), (1, None));
     drop(third);
-    assert_eq!(page.hear_answer(), (3, Some("the run took no more commands".into())));
+    assert_eq!(page.receive_answer(), (3, Some("the run took no more commands".into())));
 }
 
 #[test]
-fn looks_of_all_pages_are_merged() {
+fn selections_of_all_pages_are_merged() {
     let window = local();
     let (mut one, _) = Client::hello(&window, None);
     let (mut other, _) = Client::hello(&window, None);
     one.look(Some(2), true);
-    other.say(&json!({ "type": "look", "robot": 2, "camera": true, "calls": false }));
+    other.send_json(&json!({ "type": "look", "robot": 2, "camera": true, "calls": false }));
     let both = vec![Look { robot: 2, camera: true, calls: true }];
     until("both", || window.looks() == both);
     other.look(Some(1), false);
@@ -176,7 +176,7 @@ fn looks_of_all_pages_are_merged() {
 }
 
 #[test]
-fn a_look_ends_the_wait_for_commands() {
+fn a_selection_ends_the_wait_for_commands() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(1), false);
@@ -193,26 +193,26 @@ fn display_comes_once_and_to_each_page() {
     let window = local();
     window.show(snapshot(0.0), vec![detail(1, 0.0, Some("data:a")), detail(2, 0.0, Some("data:b"))]);
     let (mut page, _) = Client::hello(&window, None);
-    page.hear_type("snapshot");
+    page.receive_type("snapshot");
     page.look(Some(1), false);
-    let message = page.hear_type("detail");
+    let message = page.receive_type("detail");
     assert_eq!((&message["robot"], &message["lcd"]["url"]), (&json!(1), &json!("data:a")));
     window.show(snapshot(1.0), vec![detail(1, 1.0, None)]);
-    let message = page.hear_type("detail");
+    let message = page.receive_type("detail");
     assert_eq!((&message["t_s"], &message["lcd"]), (&json!(1.0), &json!(null)));
 
     let (mut late, _) = Client::hello(&window, None);
     late.look(Some(1), false);
-    let message = late.hear_type("detail");
+    let message = late.receive_type("detail");
     assert_eq!((&message["t_s"], &message["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
 
-    // A picture that is overtaken by a later detail without one is not lost.
+    // A picture is not lost if a later detail without a picture overtakes its detail.
     window.show(snapshot(2.0), vec![detail(1, 2.0, Some("data:c"))]);
     window.show(snapshot(3.0), vec![detail(1, 3.0, None)]);
     for page in [&mut page, &mut late] {
         let mut pictures = Vec::new();
         loop {
-            let message = page.hear_type("detail");
+            let message = page.receive_type("detail");
             pictures.extend(message["lcd"]["url"].as_str().map(String::from));
             if message["t_s"] == 3.0 {
                 break;
@@ -222,16 +222,16 @@ fn display_comes_once_and_to_each_page() {
     }
 
     page.look(Some(2), false);
-    assert_eq!(page.hear_type("detail")["lcd"]["url"], "data:b");
+    assert_eq!(page.receive_type("detail")["lcd"]["url"], "data:b");
     page.look(Some(1), false);
-    assert_eq!(page.hear_type("detail")["lcd"]["url"], "data:c");
+    assert_eq!(page.receive_type("detail")["lcd"]["url"], "data:c");
 
-    // Nothing is kept from another run.
+    // No state of the previous run is kept.
     window.show_scene(scene(2));
     let mut of_next_run = detail(1, 0.0, None);
     of_next_run.run = 2;
     window.show(snapshot(0.0), vec![of_next_run]);
-    let message = page.hear_type("detail");
+    let message = page.receive_type("detail");
     assert_eq!((&message["run"], &message["lcd"]), (&json!(2), &json!(null)));
 }
 
@@ -239,11 +239,11 @@ fn display_comes_once_and_to_each_page() {
 fn events_are_kept_and_counted() {
     let window = local();
     window.show_scene(scene(1));
-    window.tell((1..=25_000).map(|number| event(number, "contact", 1)).collect());
+    window.add_events((1..=25_000).map(|number| event(number, "contact", 1)).collect());
     let (mut page, _) = Client::hello(&window, None);
     let (mut missed, mut numbers) = (0, Vec::new());
     while numbers.len() < 20_000 {
-        let message = page.hear_type("events");
+        let message = page.receive_type("events");
         missed += message["missed"].as_u64().unwrap();
         let events = message["events"].as_array().unwrap();
         assert!(events.len() <= 1_000);
@@ -252,80 +252,80 @@ fn events_are_kept_and_counted() {
     assert_eq!(missed, 5_000);
     assert!(numbers.iter().copied().eq(5_001..=25_000));
 
-    window.tell(vec![event(25_001, "contact", 1)]);
-    let message = page.hear_type("events");
+    window.add_events(vec![event(25_001, "contact", 1)]);
+    let message = page.receive_type("events");
     assert_eq!((&message["events"][0]["number"], &message["missed"]), (&json!(25_001), &json!(0)));
 
     window.show_scene(scene(2));
-    window.tell(vec![event(1, "contact", 1)]);
+    window.add_events(vec![event(1, "contact", 1)]);
     let (mut late, _) = Client::hello(&window, None);
     for page in [&mut page, &mut late] {
-        assert_eq!(page.hear_type("scene")["run"], 2);
-        let message = page.hear_type("events");
+        assert_eq!(page.receive_type("scene")["run"], 2);
+        let message = page.receive_type("events");
         assert_eq!(message["events"].as_array().unwrap().len(), 1);
         assert_eq!((&message["events"][0]["number"], &message["missed"]), (&json!(1), &json!(0)));
     }
 }
 
 #[test]
-fn calls_go_to_who_looks_at_them() {
+fn calls_go_to_pages_that_request_them() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(2), true);
     until("the look", || !window.looks().is_empty());
-    window.tell(vec![event(1, "call", 1), event(2, "call", 2), event(3, "contact", 1)]);
-    let told = page.hear_type("events");
-    let numbers: Vec<_> = told["events"].as_array().unwrap().iter().map(|event| event["number"].clone()).collect();
+    window.add_events(vec![event(1, "call", 1), event(2, "call", 2), event(3, "contact", 1)]);
+    let received = page.receive_type("events");
+    let numbers: Vec<_> = received["events"].as_array().unwrap().iter().map(|event| event["number"].clone()).collect();
     assert_eq!(numbers, [2, 3]);
     let (mut other, _) = Client::hello(&window, None);
-    assert_eq!(other.hear_type("events")["events"].as_array().unwrap().len(), 1);
+    assert_eq!(other.receive_type("events")["events"].as_array().unwrap().len(), 1);
 }
 
 #[test]
-fn who_comes_back_sees_everything_again() {
+fn a_reconnected_page_gets_the_whole_state_again() {
     let window = local();
     window.show_scene(scene(1));
     window.show(snapshot(1.0), vec![]);
-    window.tell(vec![event(1, "contact", 1)]);
+    window.add_events(vec![event(1, "contact", 1)]);
     for _ in 0..3 {
         let (mut page, _) = Client::hello(&window, None);
         for kind in ["scene", "snapshot", "events"] {
-            assert_eq!(page.hear()["type"], kind);
+            assert_eq!(page.receive()["type"], kind);
         }
     }
 }
 
 #[test]
-fn a_page_that_stalls_holds_up_nobody() {
+fn a_stalled_page_delays_no_other_page() {
     const LAST: u32 = 600;
     let window = local();
     let (mut stalled, _) = Client::hello(&window, None);
     let (mut page, _) = Client::hello(&window, None);
     page.act(1);
     next(&window).accept();
-    page.hear_answer();
-    // 60 MB, far more than what systems keep for a connection.
+    page.receive_answer();
+    // 60 MB, far more than a system buffers for a connection.
     for number in 1..=LAST {
         let mut big = snapshot(f64::from(number));
         big.state = sim_view::protocol::RunState::Ended { why: "x".repeat(100_000), digest: String::new() };
         window.show(big, vec![]);
         std::thread::sleep(Duration::from_millis(5));
     }
-    window.tell(vec![event(1, "contact", 1)]);
-    while page.hear_type("snapshot")["t_s"] != f64::from(LAST) {}
+    window.add_events(vec![event(1, "contact", 1)]);
+    while page.receive_type("snapshot")["t_s"] != f64::from(LAST) {}
     let mut count = 0;
     loop {
         count += 1;
-        if stalled.hear_type("snapshot")["t_s"] == f64::from(LAST) {
+        if stalled.receive_type("snapshot")["t_s"] == f64::from(LAST) {
             break;
         }
     }
     assert!(count < LAST / 2, "{count} snapshots have waited for the page");
-    assert_eq!(stalled.hear_type("events")["events"][0]["number"], 1);
+    assert_eq!(stalled.receive_type("events")["events"][0]["number"], 1);
 }
 
 #[test]
-fn a_page_that_says_nothing_is_dropped() {
+fn a_silent_page_is_disconnected() {
     let window = local();
     let (_silent, _) = Client::hello(&window, None);
     let (mut page, _) = Client::hello(&window, None);
@@ -333,7 +333,7 @@ fn a_page_that_says_nothing_is_dropped() {
     until("one page is there", || window.looks().len() == 1);
     // A page that reads answers the server's pings.
     std::thread::scope(|scope| {
-        scope.spawn(|| page.hear_close());
+        scope.spawn(|| page.receive_close());
         until("the silent one is gone", || window.pages() == 1);
         assert_eq!(window.looks().len(), 1, "who answers stays");
         drop(window);
@@ -341,14 +341,14 @@ fn a_page_that_says_nothing_is_dropped() {
 }
 
 #[test]
-fn closing_says_goodbye() {
+fn closing_sends_a_close_frame() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     let mut silent = Client::connect(&window);
     let address = window.address();
     drop(window);
     for page in [&mut page, &mut silent] {
-        assert_eq!(page.hear_close(), Some((1001, "the simulator has ended".into())));
+        assert_eq!(page.receive_close(), Some((1001, "the simulator has ended".into())));
     }
     assert!(std::net::TcpStream::connect(address).is_err(), "nobody listens any more");
 }

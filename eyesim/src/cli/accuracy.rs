@@ -1,4 +1,4 @@
-//! `eyesim accuracy`: measures speed against error; writes tables, plots, JSON, and a page of the docs.
+//! `eyesim accuracy`: measures speed against error, and writes tables, plots, JSON and a page of the docs.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -54,7 +54,7 @@ pub struct CheckArgs {
     pub strict: bool,
 }
 
-/// Runs the command: exit code 0, or 2 if there are errors (under `--strict`: or warnings).
+/// Runs the command. The exit code is 0, or 2 if there are errors or, under `--strict`, warnings.
 ///
 /// # Errors
 /// If the working folder is unknown or nothing can be printed.

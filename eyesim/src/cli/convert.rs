@@ -1,4 +1,5 @@
-//! `eyesim convert`: converts a file into another format; `eyesim schema`: the JSON schemas of scenes and suites for editors.
+//! `eyesim convert` converts a file into another format; `eyesim schema` prints the JSON schemas of scenes and suites
+//! for editors.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,7 +42,7 @@ pub struct ConvertArgs {
     pub force: bool,
 }
 
-/// Runs the command: exit code 0, or 2 if there are errors; then nothing is written.
+/// Runs the command. The exit code is 0, or 2 if there are errors and nothing is written.
 ///
 /// # Errors
 /// If an output exists and may not be replaced, is also an input, or cannot be written.

@@ -64,7 +64,7 @@ pub struct DebugArgs {
 /// # Errors
 /// See `eyesim run`; also if gdb is missing, or there is no such robot with a program.
 pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
-    ensure!(Debugger::is_there(), "`gdb` is not installed: on Debian and Ubuntu it is the package `gdb`");
+    ensure!(Debugger::is_installed(), "`gdb` is not installed: on Debian and Ubuntu it is the package `gdb`");
     let mut run = RunArgs {
         seed: args.seed,
         until: args.until,

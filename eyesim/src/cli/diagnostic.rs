@@ -36,7 +36,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns true if `screen` gets the human-readable form.
+    /// Returns true if `screen` gets the human-readable format.
     pub fn is_human(self, screen: Screen) -> bool {
         self == Format::Human || self == Format::Auto && screen.is_terminal
     }

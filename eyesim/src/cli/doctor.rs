@@ -183,8 +183,10 @@ fn other_tools(installer: &Installer) -> Vec<Finding> {
 fn sandbox() -> Finding {
     let kernel = Kernel::probe();
     let level = kernel.strongest_level();
-    let closed: Vec<String> =
-        level.areas().filter_map(|area| Some(format!("{} by {}", area.word(), kernel.means(area).ok()?))).collect();
+    let closed: Vec<String> = level
+        .areas()
+        .filter_map(|area| Some(format!("{} by {}", area.word(), kernel.describe_means(area).ok()?)))
+        .collect();
     let found = format!("{}: closes {}", level.word(), closed.join("; "));
     Finding::new("sandbox", "untrusted programs: `eyesim run --sandbox`", Some(found), "")
 }

@@ -218,7 +218,7 @@ fn cell(c: char, column: usize) -> String {
     }
 }
 
-/// Replaces characters by which a file could control the terminal or reorder a line.
+/// Replaces characters that could control the terminal or reorder a line.
 fn safe(c: char) -> char {
     if is_terminal_control(c) { char::REPLACEMENT_CHARACTER } else { c }
 }

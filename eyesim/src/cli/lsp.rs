@@ -97,7 +97,7 @@ struct Server {
 }
 
 impl Server {
-    /// Serves until `exit` or the end of the input; returns true if the editor has asked for the shutdown before.
+    /// Serves until `exit` or the end of the input; returns true if the editor has requested the shutdown before.
     fn serve(&mut self, connection: &Connection) -> anyhow::Result<bool> {
         // Checks once after all changes that have arrived.
         while let Ok(first) = connection.receiver.recv() {

@@ -1,7 +1,7 @@
 //! The command line: one file for each subcommand, and fixed exit codes.
 //!
-//! 0: the run ended or reached `--until`; 1: a robot program or a check failed; 2: usage or file errors; 3: internal error;
-//! 130: interrupted.
+//! Exit codes: 0, the run ended or reached `--until`; 1, a robot program or a check failed; 2, usage or file errors; 3,
+//! internal error; 130, interrupted.
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -296,7 +296,7 @@ impl Project<'_> {
     }
 }
 
-/// Files with which editors complete and check RoBIOS calls: path in the folder of the program, and text.
+/// Settings for editors, which then complete and check RoBIOS calls: path in the folder of the program, and text.
 fn editor_files(lang: Language, generation: Generation) -> Vec<(String, String)> {
     let standard = match lang {
         Language::C => "-std=gnu17",

@@ -1,4 +1,5 @@
-//! `eyesim pack`: writes a scene or a suite with everything that its runs read into one archive; the other commands open archives.
+//! `eyesim pack`: writes a scene or a suite into one archive, with everything that its runs read; opens archives for
+//! the other commands.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -224,7 +225,7 @@ fn normalized(path: &Path) -> anyhow::Result<PathBuf> {
 pub(super) fn check_self_contained(pack: &Pack) -> anyhow::Result<()> {
     let unpacked = pack.clone().unpack()?;
     let home =
-        unpacked.manifest().home.as_deref().map_or_else(|| unpacked.folder().to_owned(), |home| unpacked.place(home));
+        unpacked.manifest().home.as_deref().map_or_else(|| unpacked.folder().to_owned(), |home| unpacked.path_of(home));
     let files = DiskFiles::with_home(&home);
     let main = slashed(&unpacked.main());
     let text = sim_format::decode(&read_regular(&unpacked.main())?).0;
@@ -244,7 +245,7 @@ pub(super) fn check_self_contained(pack: &Pack) -> anyhow::Result<()> {
     report_diagnostics(&loaded.diagnostics, &loaded.inputs, false).context("the archive would not be complete")
 }
 
-/// Unpacks an archive and makes its installation folder the one of this process.
+/// Unpacks an archive and makes its installation folder that of this process.
 ///
 /// # Errors
 /// The archive is refused, or cannot be unpacked.
@@ -253,7 +254,7 @@ pub(super) fn unpack(path: &Path) -> anyhow::Result<Unpacked> {
     let pack = open().with_context(|| format!("`{}`", path.display()))?;
     let unpacked = pack.unpack().with_context(|| format!("cannot unpack `{}`", path.display()))?;
     if let Some(home) = &unpacked.manifest().home {
-        use_home(&unpacked.place(home));
+        use_home(&unpacked.path_of(home));
     }
     Ok(unpacked)
 }
@@ -263,8 +264,8 @@ pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::
     let mut programs = Vec::new();
     for (selector, path) in &unpacked.manifest().programs {
         // A path with a comma is the path of one file, or a list of several paths.
-        let parts: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
-        let paths: Vec<String> = parts.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
+        let parts: Vec<&str> = if unpacked.path_of(path).exists() { vec![path] } else { path.split(',').collect() };
+        let paths: Vec<String> = parts.into_iter().map(|path| slashed(&unpacked.path_of(path))).collect();
         let option = ProgramOption::parse(&format!("{selector}{}", paths.join(",")));
         let option = option.map_err(anyhow::Error::msg)?;
         if !given.iter().any(|other| other.selects_same_robots(&option)) {

@@ -35,7 +35,7 @@ pub struct PlotArgs {
     pub title: Option<String>,
 }
 
-/// Runs the command: exit code 0, or 2 if the file has errors; the readable part is drawn nevertheless.
+/// Runs the command. The exit code is 0, or 2 if the file has errors; its readable part is drawn nevertheless.
 ///
 /// # Errors
 /// If the file is missing or cannot be drawn, or the picture is of an unknown kind or cannot be written.

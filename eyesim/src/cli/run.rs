@@ -304,8 +304,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     Ok(exit_code(&finished_run.finished))
 }
 
-/// Reads, builds and runs the scene of the arguments if `check` accepts it; returns `None`, after telling the user, if a program
-/// cannot be loaded.
+/// Reads, builds and runs the scene of the arguments if `check` accepts it. If a program cannot be loaded, shows the
+/// reason to the user and returns `None`.
 ///
 /// # Errors
 /// If files or arguments are wrong, or `check` fails.

@@ -1,4 +1,4 @@
-//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, where a later call continues; also shows
+//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, which a later call continues. Also shows
 //! the status of a folder and merges its rows.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -286,7 +286,7 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(EXIT_PROGRAM))
 }
 
-/// Formats numbers as `1,3-5`, the form of Slurm's `--array`.
+/// Formats numbers as `1,3-5`, the format of Slurm's `--array`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let format_run = |run: &[usize]| match run {

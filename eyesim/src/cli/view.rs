@@ -215,7 +215,7 @@ struct Session {
     interrupt: Interrupt,
     /// Arguments of the current run.
     args: Mutex<RunArgs>,
-    /// The run that begins when the current one has ended, and its arguments.
+    /// The run that begins when the current run has ended, and its arguments.
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
     files: Mutex<WatchedFiles>,
@@ -305,7 +305,7 @@ impl Session {
         let trace = move || EventStore::trace(&trace_store).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
         let (recorded_show, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
-        // Not `recording.json`, by which pages distinguish a replay from a live run.
+        // Not `recording.json`: its presence tells pages that they show a replay and not a live run.
         self.window.offer(
             "run.recording.json",
             Download::new("application/json", move || {
@@ -375,7 +375,7 @@ impl Session {
             match prepare(&args) {
                 Ok(ready) => {
                     {
-                        // Both happen under one lock, so that the current run is ended and not the next one.
+                        // Both happen under one lock, so that the current run is ended and not the next run.
                         let mut next = session.next.lock();
                         *next = Some((ready, args));
                         session.control.update(|requests| requests.is_ending = true);

@@ -116,10 +116,10 @@ fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
 
 /// Reads the parts of a submission; the limits apply to their sum.
 pub struct Reader<'w> {
-    /// Predicate on paths: files whose contents are wanted; archives are always opened.
+    /// Returns true for the paths of files whose contents are wanted; archives are always opened.
     is_wanted: &'w dyn Fn(&str) -> bool,
-    /// True for an archive with all submissions: archives in it stay closed, and all other entries are listed, without
-    /// contents unless wanted.
+    /// True for an archive with all submissions. Archives in it stay closed, and all other entries are listed; only the
+    /// wanted ones have contents.
     is_class: bool,
     byte_limit: u64,
     max_entries: usize,

@@ -1,4 +1,4 @@
-//! A suite with which submissions are graded, and the grading of one submission.
+//! A suite for grading submissions, and the grading of one submission.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -65,7 +65,7 @@ pub struct Graded {
     pub real_time_s: f64,
 }
 
-/// A suite with which submissions are graded.
+/// A suite for grading submissions.
 pub struct Grader {
     path: PathBuf,
     /// Seeds that students do not see.

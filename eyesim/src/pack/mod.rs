@@ -228,18 +228,18 @@ impl Unpacked {
     }
 
     /// Path of a file of the archive.
-    pub fn place(&self, path: &str) -> PathBuf {
+    pub fn path_of(&self, path: &str) -> PathBuf {
         self.folder.path().join(path)
     }
 
     /// Path of the file of the archive to which the option value `given` refers, if there is one.
     pub fn option(&self, given: &str) -> Option<PathBuf> {
-        self.manifest.options.get(given).map(|path| self.place(path))
+        self.manifest.options.get(given).map(|path| self.path_of(path))
     }
 
     /// The scene or suite.
     pub fn main(&self) -> PathBuf {
-        self.place(&self.manifest.main)
+        self.path_of(&self.manifest.main)
     }
 
     /// The folder of the files.

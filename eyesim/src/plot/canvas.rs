@@ -60,9 +60,9 @@ pub fn lightened([red, green, blue, opacity]: [u8; 4]) -> [u8; 3] {
 /// Position of a text relative to its point.
 #[derive(Clone, Copy)]
 pub struct Anchor {
-    /// Horizontal alignment; `Left`: the text begins at its point.
+    /// Horizontal alignment; with `Left`, the text begins at its point.
     pub horizontal: HPos,
-    /// Vertical alignment; `Top`: the text is below its point.
+    /// Vertical alignment; with `Top`, the text is below its point.
     pub vertical: VPos,
 }
 

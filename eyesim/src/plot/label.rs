@@ -44,8 +44,9 @@ impl<'a> Labels<'a> {
         Self { frame, occupied: Vec::new(), bodies }
     }
 
-    /// Places a label: returns its upper left corner in pixels, and its text. Of several positions around the body, it
-    /// takes the first free one, otherwise the first one that covers no other label. `None` if there is no such position.
+    /// Places a label; returns its upper left corner in pixels, and its text. Of several positions around the body, it
+    /// takes the first free one, otherwise the first one that covers no other label. `None` if there is no such
+    /// position.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.frame.contains(label.at) {
             return None;

@@ -1,4 +1,4 @@
-//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`); and charts of
+//! Pictures from above, to scale, of files (`eyesim plot`) and of finished runs (`eyesim run --plot`), and charts of
 //! measurements (`eyesim accuracy --plots`).
 //!
 //! `scene` and `run` describe a picture as a [`Drawing`] in metres; `render` renders it. Nothing here changes the simulation or

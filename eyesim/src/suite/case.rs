@@ -105,7 +105,8 @@ impl Session {
         }
     }
 
-    /// Builds the programs of a case. Returns true if they may share a process with other cases: all are on fibers.
+    /// Builds the programs of a case. Returns true if the programs may share a process with other cases, because all of
+    /// them run on fibers.
     ///
     /// # Errors
     /// [`PrepareError`].
@@ -324,8 +325,8 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
     let broken_check = report.checks.iter().find(|check| check.broken);
-    // The earliest failure is taken as the cause of later ones. At one instant, other checks come before a missed goal,
-    // since they are its cause.
+    // The earliest failure is taken as the cause of later ones. Of several failures at one instant, a missed goal is
+    // taken last, since the others are its cause.
     let instant = |check: &CheckReport| check.at_s.unwrap_or(f64::INFINITY);
     let is_goal = |check: &CheckReport| check.kind == "reach";
     let failed_checks = report.checks.iter().filter(|check| !check.passed);
@@ -349,7 +350,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
             (None, None) => (RowOutcome::Passed, String::new()),
         },
     };
-    // How far a program got before it was stopped for its processor time depends on the machine.
+    // It depends on the machine how far a program got before it was stopped for its processor time.
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
     let failure_time = failed_check.and_then(|check| check.at_s);
     let failure_time = failure_time.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {

@@ -1,8 +1,8 @@
 //! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
 //!
-//! [`Suite::open`] reads a suite; [`Suite::cases`] lists its cases; [`run_case`] runs one case in this process and returns its
-//! [`Row`]; [`Pool`] runs many cases in forks of this process. [`summary`] computes pass rates over seeds, [`table`] converts them to
-//! tables, for CSV and Parquet.
+//! [`Suite::open`] reads a suite, and [`Suite::cases`] lists its cases. [`run_case`] runs one case in this process and
+//! returns its [`Row`]; [`Pool`] runs many cases in forks of this process. [`summary`] computes pass rates over seeds,
+//! [`table`] converts rows to tables, for CSV and Parquet.
 
 mod case;
 #[cfg(feature = "parquet")]

@@ -1,4 +1,4 @@
-//! Tables as Apache Parquet, from which data analysis tools read typed columns.
+//! Tables as Apache Parquet: data analysis tools read typed columns from such files.
 
 use std::sync::Arc;
 

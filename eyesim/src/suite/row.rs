@@ -14,8 +14,8 @@ pub const ROW_SCHEMA: u32 = 1;
 pub struct Row {
     /// [`ROW_SCHEMA`].
     pub schema: u32,
-    /// Hash of the case, its inputs, its limits and the version of eyesim: 32 hexadecimal digits; empty if the inputs could not be
-    /// read.
+    /// Hash of the case, its inputs, its limits and the version of eyesim, as 32 hexadecimal digits; empty if the
+    /// inputs could not be read.
     pub key: String,
     /// Path of the suite.
     pub suite: String,
@@ -94,7 +94,7 @@ pub struct RowRobot {
     pub outcome: Outcome,
     /// Reason in words, if there is one.
     pub reason: Option<String>,
-    /// Last values of the metrics that its program printed, by name: for tables and plots, never for marks.
+    /// Last values of the metrics that its program printed, by name: for tables and plots, not for grades.
     pub metrics: BTreeMap<String, f64>,
     /// Number of calls of each forbidden function, by the name of the function.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -60,7 +60,7 @@ pub struct Variant {
     pub passed: bool,
 }
 
-/// The variants of `rows`, in their order, each of which passes if at least the share `pass_rate` of its cases passes.
+/// The variants of `rows`, in their order. A variant passes if at least the share `pass_rate` of its cases passes.
 pub fn variants(rows: &[&Row], pass_rate: f64) -> Vec<Variant> {
     let mut names: Vec<&str> = Vec::new();
     let mut indices = std::collections::BTreeMap::new();

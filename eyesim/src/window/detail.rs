@@ -70,7 +70,8 @@ impl Details {
         Some(picture(canvas.size().map(|side| side as u32), canvas.pixels().as_flattened()))
     }
 
-    /// Noise-free picture of the camera of robot `id` now, or the last one if younger than `CAMERA_PERIOD`. None without a camera.
+    /// Noise-free picture of the camera of robot `id` now, or the last picture if it is younger than `CAMERA_PERIOD`.
+    /// None without a camera.
     pub fn camera(&mut self, run: &Run, world: &World, id: RobotId, scenery: &LazyScenery) -> Option<Picture> {
         if let Some((_, picture)) = self.cameras.get(&id).filter(|(rendered, _)| rendered.elapsed() < CAMERA_PERIOD) {
             return Some(picture.clone());

@@ -114,7 +114,7 @@ impl Feed {
     }
 }
 
-/// Kinds of which pages get only the latest value.
+/// Kinds of events that are shown only by their latest value.
 const READINGS: [Kind; 19] = [
     Kind::Distance,
     Kind::Compass,

@@ -20,13 +20,14 @@ const BYTES_PER_SECOND: f64 = 2e6;
 #[derive(Default)]
 pub struct ShownLayers {
     shown: BTreeMap<(RobotId, String), Arc<Layer>>,
-    /// The instant from which on the bandwidth allows another layer.
+    /// The instant at which the bandwidth allows another layer.
     next: Option<Instant>,
 }
 
 impl ShownLayers {
-    /// The layers of `robots` that have changed since the last call: first those that have waited longest, until the bandwidth is
-    /// used up; all of them if the run `is_at_rest`, since no later call might show the others. `number` is that of the run.
+    /// The layers of `robots` that have changed since the last call. The layers that have waited longest come first,
+    /// until the bandwidth is used up. If the run `is_at_rest`, all layers are returned, since no later call might show
+    /// the others. `number` is that of the run.
     pub fn changed(
         &mut self,
         run: &Run,

@@ -220,7 +220,7 @@ impl RobotHistoryBuilder {
         }
     }
 
-    /// Adds a posture if the last one is at least [`POSTURE_PERIOD`] old.
+    /// Adds a posture if the last posture is at least [`POSTURE_PERIOD`] old.
     fn add_posture(&mut self, t_s: f64, fields: &serde_json::Value) {
         let (Some(lift_m), Some(joints)) = (fields["lift_m"].as_f64(), fields["joints_rad"].as_array()) else { return };
         let postures = &mut self.postures;

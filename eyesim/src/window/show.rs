@@ -37,7 +37,7 @@ pub struct Show {
     bodies: Option<(BodySet, Arc<Scene>)>,
     /// Poses of the bodies when the run was shown last.
     body_poses: BodyPoses,
-    /// Robots of which pages request details.
+    /// Robots whose details pages request.
     looks: Vec<Look>,
     details: Details,
     layers: ShownLayers,
@@ -100,7 +100,7 @@ pub struct Moment<'a> {
 }
 
 impl Show {
-    /// Creates a show of which pages have not received anything yet.
+    /// Creates a show that pages have not received anything of yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
@@ -115,11 +115,11 @@ impl Show {
         self.body_poses = body_poses(run, world);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
-            self.window.tell(events);
+            self.window.add_events(events);
             return;
         }
         self.set_scene(run, world);
-        self.window.tell(events);
+        self.window.add_events(events);
         let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
         let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));

@@ -38,7 +38,7 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
         Some(Ending::Exited { code: 0 }) => (Standing::Finished, String::new()),
         Some(Ending::Exited { code }) => (Standing::Failed, format!("exit code {code}")),
         Some(Ending::Failed { reason } | Ending::Overdue { reason }) => (Standing::Failed, reason.clone()),
-        Some(Ending::Stopped) | None if !robot.tasks.are_waiting() => (Standing::Running, String::new()),
+        Some(Ending::Stopped) | None if !robot.tasks.are_all_waiting() => (Standing::Running, String::new()),
         Some(Ending::Stopped) | None => (Standing::Waiting, waits_now(robot)),
     }
 }

@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use super::Verdict;
 
-/// Judges the number at `path` of `report`: it must be within `limits` or, with `partial`, earns points by its position
-/// between the values for all points and for none.
+/// Judges the number at `path` of `report`. It must be within `limits`; with `partial`, its points are interpolated
+/// between the value for all points and the value for none.
 pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partial: Option<(f64, f64)>) -> Verdict {
     let number = match find(report, path).and_then(|value| number(value, path)) {
         Ok(number) => number,
@@ -28,11 +28,11 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
     Verdict { fraction, value: Some(number), ..Verdict::new(fraction >= 1.0, message) }
 }
 
-/// The value at a path, which consists of names of fields separated by dots, and indices from 0 in brackets.
+/// Returns the value at a path: field names separated by dots, with indices from 0 in brackets.
 fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
     let (mut value, mut found_path) = (report, String::new());
     for part in path.split('.') {
-        // A program can print any metrics about itself, so no check may judge by them.
+        // A program prints its metrics itself, so a check must not depend on them.
         if part == "metrics" && found_path.starts_with("robots") {
             return Err(format!("`{path}`: the program prints its metrics itself: no check judges by them"));
         }
@@ -80,7 +80,7 @@ fn number(value: &Value, path: &str) -> Result<f64, String> {
     }
 }
 
-/// A number with at most six digits after the point; all digits of very small and very large numbers.
+/// Formats a number with at most six decimals; very small and very large numbers keep all digits.
 fn short(number: f64) -> String {
     let rounded = format!("{number:.6}");
     let trimmed = rounded.trim_end_matches('0').trim_end_matches('.');

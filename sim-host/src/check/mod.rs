@@ -1,5 +1,5 @@
-//! Verdicts on the checks of a scene: [`sim_core::check`] judges checks on motion and a [`Tally`] checks on events; the
-//! report and the user's programs decide all others.
+//! Verdicts on the checks of a scene. [`sim_core::check`] judges checks on motion, and a [`Tally`] judges checks on
+//! events; the report and the user's programs decide all others.
 
 mod metric;
 mod prints;
@@ -19,7 +19,7 @@ pub use script::Evidence;
 use tally::Count;
 pub use tally::Tally;
 
-/// Result of one check, from which its message is composed.
+/// Result of one check, and the parts of its message.
 struct Verdict {
     is_met: bool,
     /// Fraction of the points, 0 to 1.
@@ -116,7 +116,7 @@ pub fn results(
 /// Verdict of a check during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// The rest of the run decides the check.
+    /// The rest of the run may still decide the check.
     Open,
     /// The check is met, whatever happens later.
     Met,

@@ -11,7 +11,7 @@ pub(super) struct Search {
     expected: ExpectedOutput,
     is_found: bool,
     line_count: u64,
-    /// Numbers of the last lines with numbers, for at most as many lines as there are rows.
+    /// Numbers of the most recent lines that contain numbers; at most as many lines as the check expects rows.
     numbers: VecDeque<Vec<f64>>,
     /// Number of rows in the longest match, and the numbers that followed instead of the next row.
     nearest: Option<(usize, Vec<f64>)>,
@@ -68,7 +68,7 @@ impl Search {
         false
     }
 
-    /// Describes the match, or the nearest one. `verb` is `printed` or `shows`.
+    /// Describes the match, or the nearest match. `verb` is `printed` or `shows`.
     pub fn explain(&self, robot: RobotId, verb: &str) -> String {
         let what = match &self.expected {
             ExpectedOutput::Text(text) => format!("`{text}`"),
@@ -111,7 +111,7 @@ fn has_row(line: &[f64], row: &[f64], tolerance: f64) -> bool {
         .any(|window| window.iter().zip(row).all(|(found, wanted)| is_near(*wanted, *found, tolerance)))
 }
 
-/// The numbers in a line; everything else separates them.
+/// Returns the numbers in a line; any other characters separate them.
 fn numbers_of(line: &str) -> Vec<f64> {
     let is_part = |c: char| c.is_alphanumeric() || matches!(c, '.' | '+' | '-' | '_');
     let words = line.split(|c: char| !is_part(c)).map(|word| word.trim_end_matches('.'));

@@ -30,7 +30,7 @@ pub struct Evidence<'r> {
     pub events: &'r Mutex<EventStore>,
     /// Ends programs that are running.
     pub interrupt: &'r Interrupt,
-    /// Programs may run, since the scene is the user's own.
+    /// True if check programs may run: the scene is the user's own.
     pub may_run: bool,
 }
 
@@ -74,7 +74,7 @@ fn command(path: &Path) -> Result<Command, String> {
         command.arg("-B").arg(&path);
         command
     } else if !interpreter_line.is_empty() {
-        // Without the executable bit, which archives do not keep, the kernel would refuse the program.
+        // Archives may lose the executable bit, without which the kernel refuses to run the program.
         let (interpreter, argument) =
             interpreter_line.split_once(char::is_whitespace).unwrap_or((interpreter_line, ""));
         let mut command = Command::new(interpreter);

@@ -21,7 +21,7 @@ pub struct Tally {
 pub(super) struct Count {
     /// Number of events.
     pub number: u64,
-    /// Instant in s of the deciding event: the first one above the maximum, or the last one of the minimum.
+    /// Instant of the deciding event, s: the first event beyond the maximum, or the event that reaches the minimum.
     pub at: Option<f64>,
     /// Point of that event, m.
     pub position: Option<[f64; 2]>,

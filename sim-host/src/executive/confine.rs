@@ -1,10 +1,11 @@
-//! Filter of the system calls that a program must not make: on a thread of the host, the calls that end, replace or
-//! trace the whole process; in a process of its own, the calls that send signals to the host or trace it.
+//! Seccomp filters for the system calls that a program must not make. On a thread of the host, these are the calls that
+//! end, replace or trace the whole process. In a process of its own, they are the calls that send signals to the host
+//! or trace it.
 //!
-//! A seccomp filter turns these calls into a fault of the thread (SIGSYS), which is reported like any other. All threads
-//! of programs get the filter, since imports do not show what a program does in assembly; the kernel caches which calls
-//! it allows, so that these cost next to nothing. While programs run on its threads, the host ends the process only by
-//! [`exit_at_once`].
+//! A filter turns such a call into a fault of the thread (SIGSYS), which is reported like any other fault. All threads
+//! of programs get the filter, since the imports of a program do not show its assembly code. The kernel caches the set
+//! of allowed calls, so an allowed call costs next to nothing. While programs run on its threads, the host ends the
+//! process only through [`exit_at_once`].
 
 use std::cell::Cell;
 
@@ -72,9 +73,9 @@ fn install(filter: &mut [sock_filter]) {
     }
 }
 
-/// Makes the kernel refuse, with `EPERM`, signals of this process to the process `host`, to its group and to all
-/// processes, and any tracing: a stopped host could report nothing. To be called in a program's own process before it
-/// loads the program. Async-signal-safe.
+/// Makes the kernel refuse (`EPERM`) signals of this process to the process `host`, to its group and to all processes,
+/// and also any tracing, since a stopped host could report nothing. A program's own process calls this before it loads
+/// the program. Async-signal-safe.
 pub fn protect_host(host: i32) {
     /// Number of instructions other than those for [`HOST_CALLS`].
     const OTHER_INSTRUCTIONS: usize = 12;
@@ -105,7 +106,7 @@ pub fn protect_host(host: i32) {
 /// starts. Does nothing if the kernel does not support such filters.
 pub fn confine_thread() {
     thread_local! {
-        /// The thread has its filter; a second one would only cost time.
+        /// True once the thread has its filter; a second filter would only cost time.
         static IS_CONFINED: Cell<bool> = const { Cell::new(false) };
     }
     if IS_CONFINED.replace(true) {

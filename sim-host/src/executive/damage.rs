@@ -45,13 +45,14 @@ pub fn check() -> Result<(), Damage> {
     }
 }
 
-/// Number of flows in this process whose threads never end: they faulted, were stopped as overdue, or could not be joined after that.
+/// Number of flows in this process whose threads never end: they faulted, were stopped as overdue, or could not be
+/// joined afterwards.
 pub fn lost_flows() -> usize {
     LOST_FLOWS.load(Ordering::Acquire)
 }
 
-/// Returns true once a program of this process broke within the heap of the C library: it may hold a lock for which
-/// other threads wait.
+/// Returns true once a program of this process broke within the heap of the C library: the program may still hold a
+/// heap lock for which other threads wait.
 pub fn is_heap_lost() -> bool {
     IS_HEAP_LOST.load(Ordering::Acquire)
 }
@@ -61,12 +62,13 @@ pub(super) fn count_lost_flow() {
     LOST_FLOWS.fetch_add(1, Ordering::AcqRel);
 }
 
-/// Marks the heap as lost, after the report of a program in this process that it overwrote the heap's data between blocks.
+/// Marks the heap as lost after a program in this process reported that it overwrote the heap's data between blocks.
 pub(super) fn mark_heap_lost() {
     IS_HEAP_LOST.store(true, Ordering::Release);
 }
 
-/// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened in a heap function.
+/// Marks the heap as lost if `fault` happened in a heap function; `stack_words` are the words on the stack of its
+/// thread.
 pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
     /// Maximum stack depth in words between the heap's functions and the signal with which they abort the program.
     const MAX_DEPTH: usize = 512;

@@ -1,12 +1,14 @@
-//! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next one.
+//! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next slot.
 //!
 //! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it
-//! advances the world and releases the next robots, slot after slot up to the horizon that the run's owner has set, so
-//! a single robot needs no hand-over at all. At the horizon the run pauses until its owner advances it again. At most
-//! `workers` robots run at the same time, one on each worker; their order does not influence results, since robots
-//! interact only at the slots' ends. A worker switches between its own robots as long as it can, since waking a thread
-//! on another processor costs several times as much; it steals robots of another worker only when it would be idle
-//! otherwise.
+//! advances the world and releases the next robots. It does this slot after slot, up to the horizon that the run's
+//! owner has set, so a single robot needs no hand-over. At the horizon the run pauses until its owner advances it
+//! again.
+//!
+//! At most `workers` robots run at the same time, one on each worker. Their order does not influence results, since
+//! robots interact only at the slots' ends. A worker switches between its own robots as long as it can, since waking a
+//! thread on another processor costs several times as much. It steals robots of another worker only when it would be
+//! idle otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -22,8 +24,8 @@ use sim_core::world::World;
 
 use super::intervene::{self, Members, Refusal, RunEffect};
 use super::run::Run;
-use super::team::WorkerPool;
-use crate::program::load::deal;
+use super::shared_loop::WorkerPool;
+use crate::program::load::robots_per_turn;
 use crate::record::{RecordError, Sinks};
 use crate::robios::robot::Robot;
 use sim_core::record::Action;
@@ -63,7 +65,7 @@ pub struct Dispatcher {
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
-    /// Memory that lists of references reuse from slot to slot.
+    /// Allocation that lists of references reuse from slot to slot.
     spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
 }
@@ -77,8 +79,8 @@ struct Worker {
     running: Vec<RobotId>,
 }
 
-/// Maximum number of robots that are released together, one after the other on their worker: only the last one that
-/// comes back takes the dispatcher's lock, for all of them.
+/// Maximum number of robots that are released together. They run one after the other on their worker; the last one that
+/// comes back takes the dispatcher's lock once for all of them.
 const MAX_RELEASE: usize = 16;
 
 /// Queue of the robots of one worker that come back to the barrier.
@@ -95,15 +97,16 @@ pub struct Return {
     pub robot: RobotId,
     /// Time until which it sleeps.
     pub wake: Time,
-    /// It may have requests to other robots, or has written files.
+    /// The robot may have requests to other robots, or has written files.
     pub has_requests: bool,
-    /// It waits for an event that the scheduler step can cause, so that it may wake earlier.
+    /// The robot waits for an event that the scheduler step can cause, so it may wake earlier.
     pub awaits_step: bool,
 }
 
 impl ReturnQueue {
-    /// Adds a robot that has come back to the barrier. Returns true if it is the last one that was released: then the caller
-    /// must call [`Dispatcher::suspend`]. Returns `None` if the robot has departed: its flow was abandoned before it came back.
+    /// Adds a robot that has come back to the barrier. Returns true if all robots that were released with it have come
+    /// back, too; then the caller must call [`Dispatcher::suspend`]. Returns `None` if the robot has departed: its flow
+    /// was abandoned before it came back.
     pub fn put(&self, robot: Return, has_departed: &AtomicBool) -> Option<bool> {
         let mut returns = self.returns.lock();
         if has_departed.load(Ordering::Acquire) {
@@ -114,7 +117,7 @@ impl ReturnQueue {
         Some(self.count_down())
     }
 
-    /// Removes a released robot that departs instead of coming back; returns true if it is the last one.
+    /// Removes a released robot that departs instead of coming back; returns true if it was the last released robot.
     fn depart(&self, robot: RobotId) -> bool {
         let mut returns = self.returns.lock();
         let position = returns.iter().position(|other| other.robot == robot);
@@ -127,16 +130,16 @@ impl ReturnQueue {
         }
     }
 
-    /// Decrements the number of released robots; returns true if this was the last one.
+    /// Decrements the number of released robots; returns true if no released robot is left.
     fn count_down(&self) -> bool {
         self.remaining.fetch_sub(1, Ordering::AcqRel) == 1
     }
 }
 
-/// Smallest length of a worker's run queue from which another worker steals.
+/// Minimum length of a worker's run queue for another worker to steal from it.
 const MIN_QUEUE_TO_STEAL: usize = 4;
 
-/// An entry of the wake queue; valid while `number` is the robot's current one.
+/// An entry of the wake queue; valid while `number` equals the robot's current number.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Wake {
     at: Time,
@@ -177,10 +180,10 @@ pub struct BarrierOutcome {
 /// Position of a run between two slots, while no robot runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Boundary {
-    /// Start of the slot after the one that has ended.
+    /// Start of the slot after the completed slot.
     pub following: Time,
-    /// Start of the next slot in which anything happens, `following` or later; `None` if nothing happens any more without an
-    /// intervention: no program is alive, or all wait for something that cannot happen.
+    /// Start of the next slot in which anything happens, `following` or later. `None` if nothing happens any more
+    /// without an intervention, because no program is alive, or all wait for something that cannot happen.
     pub next: Option<Time>,
     /// End of the run: no slot begins at or after it.
     pub limit: Time,
@@ -200,7 +203,7 @@ pub struct Plan {
     /// For each robot, true if it has a program.
     pub has_program: Vec<bool>,
     /// For each robot the worker on which it has to run; `None` for any.
-    pub homes: Vec<Option<u32>>,
+    pub bound_workers: Vec<Option<u32>>,
     /// Number of workers: robots that may run at one time.
     pub workers: usize,
     /// Simulated time at which the run ends.
@@ -210,7 +213,7 @@ pub struct Plan {
 impl Dispatcher {
     /// Maximum number of workers that a run of `plan` can have.
     pub fn max_workers(plan: &Plan) -> usize {
-        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let min_workers = plan.bound_workers.iter().flatten().max().map_or(0, |worker| *worker as usize + 1);
         plan.workers.max(min_workers).max(1)
     }
 
@@ -222,7 +225,7 @@ impl Dispatcher {
             robots.map(|(index, _)| RobotId::from_index(index))
         };
         let alive = ids(true).count();
-        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let min_workers = plan.bound_workers.iter().flatten().max().map_or(0, |worker| *worker as usize + 1);
         let workers = plan.workers.clamp(1, alive.max(1)).max(min_workers);
         let mut dispatcher = Self {
             workers: (0..workers).map(|_| Worker::default()).collect(),
@@ -247,10 +250,10 @@ impl Dispatcher {
             spare: Vec::new(),
             spare_states: Vec::new(),
         };
-        let deal_size = deal(alive, workers);
+        let turn_size = robots_per_turn(alive, workers);
         for (position, robot) in ids(true).enumerate() {
             dispatcher.affinity[robot.index()] =
-                plan.homes[robot.index()].unwrap_or((position / deal_size % workers) as u32);
+                plan.bound_workers[robot.index()].unwrap_or((position / turn_size % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -266,8 +269,8 @@ impl Dispatcher {
         self.end.get_or_insert(end);
     }
 
-    /// Lets the robots that are due in the current slot but have not run in it yet continue to sleep: the run ends, and
-    /// its user waits for the end.
+    /// Keeps the robots asleep that are due in the current slot but have not run in it yet: the run is ending, and its
+    /// user waits for the end.
     pub fn skip_queue(&mut self) {
         self.workers.iter_mut().for_each(|worker| worker.run_queue.clear());
     }
@@ -292,14 +295,14 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes back `robot` and the robots that were released with it; `robot` is the last one of them that came back to the
-    /// barrier (see [`ReturnQueue::put`]).
+    /// Processes the return to the barrier of `robot` and of the robots that were released with it; `robot` is the last
+    /// one of them that came back (see [`ReturnQueue::put`]).
     pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
         self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
     }
 
-    /// Takes back the robots of a worker that have come back to the barrier.
+    /// Processes the robots of a worker that have come back to the barrier.
     fn take_returns(&mut self, run: &Run, worker: usize) {
         let mut returns = std::mem::take(&mut *run.returns(worker).returns.lock());
         for Return { robot, wake, has_requests, awaits_step } in returns.drain(..) {
@@ -369,7 +372,7 @@ impl Dispatcher {
         self.departed[robot.index()]
     }
 
-    /// Simulated time at the end of the run: the end of the last slot, or the limit that the user set if that ended the run.
+    /// Simulated time at the end of the run: the end of the last slot, or the user's time limit if it ended the run.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
             Some(End::Until) => world.slot_start().max(self.limit),
@@ -411,7 +414,8 @@ impl Dispatcher {
         Some(robot)
     }
 
-    /// Releases `first` on the idle `worker`, with the following ones of its queue if all of them are bound to it.
+    /// Releases `first` on the idle `worker`, together with the next robots of its queue if all of them are bound to
+    /// the worker.
     fn release(&mut self, worker: usize, first: RobotId, run: &Run) {
         let Worker { run_queue, running } = &mut self.workers[worker];
         running.push(first);
@@ -512,8 +516,8 @@ impl Dispatcher {
         self.soon_until = slot_end + environment.world.slot();
     }
 
-    /// Carries out `action` at the start of the slot that contains `at`, or of the next one in which anything happens if that is
-    /// earlier.
+    /// Carries out `action` at the start of the slot that contains `at`, or of the next slot in which anything happens,
+    /// whichever is earlier.
     ///
     /// # Errors
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
@@ -541,7 +545,7 @@ impl Dispatcher {
             self.requesting.push(id);
         }
         if let Some((id, has_program)) = effect.spawned {
-            self.admit(id, has_program, run.home(id), at);
+            self.admit(id, has_program, run.bound_worker(id), at);
         }
         if let Some(id) = effect.removed {
             // Wakes its program, whose calls return `Stop` from now on.
@@ -555,18 +559,19 @@ impl Dispatcher {
     }
 
     /// Adds a spawned robot, which has the next id; it is due at `at` if it has a program.
-    fn admit(&mut self, robot: RobotId, has_program: bool, home: Option<u32>, at: Time) {
+    fn admit(&mut self, robot: RobotId, has_program: bool, bound_worker: Option<u32>, at: Time) {
         self.affinity.push(0);
         self.wake_numbers.push(0);
         self.await_step.push(false);
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
-            let worker_count = self.max_workers.min(self.alive).max(home.map_or(0, |home| home as usize + 1));
+            let worker_count =
+                self.max_workers.min(self.alive).max(bound_worker.map_or(0, |worker| worker as usize + 1));
             while self.workers.len() < worker_count {
                 self.workers.push(Worker::default());
             }
-            self.affinity[robot.index()] = home.unwrap_or((robot.index() % self.workers.len()) as u32);
+            self.affinity[robot.index()] = bound_worker.unwrap_or((robot.index() % self.workers.len()) as u32);
             self.sleep_until(robot, at);
         }
         self.touched.push(robot);

@@ -49,8 +49,8 @@ impl EmbeddedRobot {
             site: Arc::clone(&self.site),
             functions: Mutex::default(),
         });
-        // When this guard is dropped, also by a panic, `calls` becomes invalid: a copy that the program has kept then answers
-        // every call with `STOP`.
+        // When this guard is dropped, also by a panic, `calls` becomes invalid. If the program has kept a copy, the
+        // copy answers every call with `STOP`.
         let _revoke = Revoke(Arc::clone(&calls));
         match self.code.run(self.robot, &self.arguments, calls) {
             EmbeddedEnd::Exited(code) => Ok(code),

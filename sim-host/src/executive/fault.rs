@@ -54,7 +54,7 @@ pub(super) const WILD: &str =
 /// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
 const SI_KERNEL: i32 = 0x80;
 
-/// Number of words up to which a stack is too shallow to have overflowed.
+/// Maximum depth in words at which a stack counts as too shallow to have overflowed.
 const MAX_SHALLOW: usize = 1024;
 
 impl Broken {
@@ -151,7 +151,7 @@ impl Broken {
         }
     }
 
-    /// The ending of the program that this break causes.
+    /// The ending of a program that broke in this way.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.description.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }

@@ -1,5 +1,5 @@
-//! Forks of this process that run cases for it: they inherit everything that was read, built and loaded, and a program
-//! can only corrupt the fork.
+//! Forks of this process, which run cases. A fork inherits everything that this process has read, built and loaded. A
+//! faulty program can corrupt only its fork.
 
 use std::fs;
 use std::io;
@@ -27,7 +27,7 @@ impl ForkedWorker {
     /// then ends. It also ends when this process ends.
     ///
     /// # Errors
-    /// This process has several threads, of which only one would exist in the child, or the kernel refuses.
+    /// This process has several threads (only one of them would exist in the child), or the kernel refuses.
     pub fn start(serve: impl FnOnce(UnixStream)) -> io::Result<Self> {
         await_single_thread()?;
         let (own_end, child_end) = UnixStream::pair()?;
@@ -130,7 +130,7 @@ fn signal_name(signal: i32) -> &'static str {
     }
 }
 
-/// Waits until this process has one thread: others, such as that of a progress bar, may be about to end.
+/// Waits until this process has one thread: another thread, such as that of a progress bar, may be about to end.
 fn await_single_thread() -> io::Result<()> {
     const ATTEMPTS: u32 = 500;
     for _ in 0..ATTEMPTS {

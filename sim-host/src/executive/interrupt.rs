@@ -14,8 +14,8 @@ use super::signal::{self, Handlers, action, change_action, default_action};
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Ends the runs with their current slots; may be called from any thread; async-signal-safe. Returns true if it was
-    /// already set.
+    /// Ends the runs at the end of their current slots. Returns true if the interrupt was already set.
+    /// Async-signal-safe; may be called from any thread.
     pub fn set(&self) -> bool {
         self.0.swap(true, Ordering::AcqRel)
     }
@@ -44,7 +44,7 @@ pub fn of_process() -> io::Result<Interrupt> {
     if *is_installed {
         return Ok(interrupt);
     }
-    if Handlers::are_held() {
+    if Handlers::are_installed() {
         return Err(io::Error::other("a run is going on already"));
     }
     // A program that lowers the limit of file sizes makes writing fail, which is reported, instead of ending the process.
@@ -149,7 +149,8 @@ extern "C" fn on_last_resort(_: i32) {
     exit_at_once(1)
 }
 
-/// Ends this process with exit code 1 if it has not ended by itself after `timeout`: destructors of programs run when it ends.
+/// Ends this process with exit code 1 after `timeout`, in case a destructor of a program hangs while the process ends
+/// by itself.
 pub fn end_within(timeout: std::time::Duration) {
     const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
     let end = move || {
@@ -185,7 +186,7 @@ extern "C" fn on_foreign_fault(signal: i32) {
         overwritten: such threads are outside the guarantee; the run ends here, the trace is complete up to the last slot\n";
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
-    if is_first_thread || !Handlers::are_held() {
+    if is_first_thread || !Handlers::are_installed() {
         // A fault of the host itself: the default action ends the process when the instruction is tried again.
         return default_action(signal);
     }

@@ -12,7 +12,7 @@ use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
 use super::program::{Exec, ExecutionKind, RobotProgram};
 use super::{damage, fiber};
-use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
+use crate::program::load::{LoadError, Loader, OpenError, check_mappings, robots_per_turn};
 use crate::program::prepare::{Code, Prepared};
 use crate::program::python::restricted_host;
 use crate::program::scene::Programs;
@@ -60,9 +60,9 @@ pub fn load_programs(
     loader: &mut Loader,
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
-    loader.set_deal(deal(programs.iter().count(), workers));
+    loader.set_robots_per_turn(robots_per_turn(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| execution_of(program, exec).0 == ExecutionKind::Process).count());
-    // All processes start before the wait for the first one.
+    // All processes start before the wait for the first process.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
@@ -131,8 +131,8 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Kind of execution of a program if the user requests `exec`, and the reason if that is a different kind or `auto`
-/// chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
+/// Kind of execution of a program for the user's choice `exec`. Also returns a reason if this is a different kind, or
+/// if `auto` chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
 /// does not return, the process can be killed.

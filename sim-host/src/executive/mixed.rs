@@ -13,7 +13,7 @@ use super::notifier::Notifier;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::run::Member;
-use super::team::Job;
+use super::shared_loop::Job;
 use super::thread::ThreadExecutor;
 
 /// Executor that forwards each call to the executor for the robot's kind of flow.

@@ -2,9 +2,9 @@
 //!
 //! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread
 //! for each flow, which serves the robot's [`process`] if it has one; [`fiber`] implements it with fibers. Code above
-//! the trait is independent of the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run
-//! queues, and [`scheduler`] is the handle with which the owner of a run, such as [`script`] or the window, advances it.
-//! Below the trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
+//! the trait is independent of the kind of flow. There, [`run`] is the state that flows share, [`dispatcher`] holds the
+//! run queues, and the owner of a run, such as [`script`] or the window, advances it through [`scheduler`]. Below the
+//! trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
 
 mod answer;
 pub mod confine;
@@ -30,10 +30,10 @@ mod reason;
 pub mod run;
 pub mod scheduler;
 pub mod script;
+pub mod shared_loop;
 pub mod signal;
 pub mod spawn;
 pub mod subreaper;
-pub mod team;
 pub mod thread;
 pub mod watchdog;
 
@@ -83,8 +83,8 @@ pub trait Executor: Send + Sync {
     /// Suspends the calling flow, which holds the run token of `robot`, until it is resumed.
     fn suspend(&self, robot: RobotId);
 
-    /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be immediately
-    /// followed by a resumption.
+    /// Continues the calling flow, which holds the run token of `robot`: equivalent to a suspension with an immediate
+    /// resumption.
     fn continue_running(&self, robot: RobotId);
 
     /// Hands the run token of `robot` from the calling flow to the flow of task `task`; returns when it is handed back.
@@ -97,7 +97,7 @@ pub trait Executor: Send + Sync {
 
     /// Runs a loop of the scheduler step on the calling thread, and on idle workers. Returns when no thread uses the
     /// job any more.
-    fn run_loop(&self, job: &team::Job) {
+    fn run_loop(&self, job: &shared_loop::Job) {
         job.work();
     }
 

@@ -20,7 +20,7 @@ use crate::program::site::Site;
 /// The user's choice of where programs run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
-    /// In a process of its own if its imports show that it could end or stop the host; otherwise as for `Fiber`.
+    /// In a process of its own if its imports show that it could end or stop the host; otherwise like `Fiber`.
     Auto,
     /// On a fiber of the host; on a thread if it could end the host, or if it is bound to its thread
     /// ([`why_thread_bound`](crate::program::prepare::Prepared::why_thread_bound)).
@@ -165,7 +165,7 @@ impl RobotProgram {
     /// A location in this program as text, such as `maze.c:88`.
     pub fn location_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
-            (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
+            (Self::InHost { program, .. }, Site::InHost(site)) => program.location_of(site),
             (Self::Process(program), Site::Reported(site)) => program.location_of(site),
             (Self::InHost { .. } | Self::Embedded(_), Site::Reported(site)) => site.line(),
             _ => None,

@@ -81,13 +81,13 @@ pub struct RunEnd<'a> {
 /// Programs that could still send a message to a robot that waits for one when the run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PossibleSenders {
-    /// None: the waiting program is the only one.
+    /// No other robot has a program.
     None,
-    /// None: all other programs have ended.
+    /// All other programs have ended.
     Ended,
-    /// Other programs that have not ended, but all of them wait for messages.
+    /// Some other programs have not ended, but all of them wait for messages.
     Waiting,
-    /// A program that waits for something else.
+    /// Another program has not ended, and waits for something else.
     Other,
 }
 
@@ -99,7 +99,7 @@ impl PossibleSenders {
             programs += 1;
             if matches!(robot.ending, None | Some(Ending::Stopped)) {
                 living += 1;
-                listening += usize::from(robot.tasks.are_waiting_one_for(&WaitReason::Message));
+                listening += usize::from(robot.tasks.are_all_waiting_one_for(&WaitReason::Message));
             }
         }
         match living {
@@ -148,11 +148,11 @@ pub fn judge(
             let words = reason::explain(reason, |line| program.text_of(line));
             status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
         }
-        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
+        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_all_waiting() => {
             status(Outcome::Waiting, Some(describe_waits(robot, program, run_end)))
         }
         // A wait that has just begun is not worth a report: every loop with a pause has one.
-        _ if matches!(run_end.end, End::Until) && robot.tasks.have_waited(run_end.time - LONG_WAIT) => {
+        _ if matches!(run_end.end, End::Until) && robot.tasks.have_all_waited_since(run_end.time - LONG_WAIT) => {
             status(Outcome::Running, Some(describe_waits(robot, program, run_end)))
         }
         _ => match run_end.end {
@@ -185,7 +185,7 @@ fn describe_waits(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_
 /// Describes the waits of a robot's tasks during the run, without locations: `waits for KEY4 since 2.310 s`; empty if a task does not
 /// wait.
 pub fn waits_now(robot: &Robot) -> String {
-    if !robot.tasks.are_waiting() {
+    if !robot.tasks.are_all_waiting() {
         return String::new();
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.as_ref()?))).collect();
@@ -294,7 +294,8 @@ fn accesses_at(broken: &Broken, program: &RobotProgram) -> Option<Accesses> {
     accesses_of(&program.source_of(&line).filter(|_| !is_rust)?, usize::try_from(line.line).ok()?)
 }
 
-/// The pointers that are used by the line at which the program's own code broke, if there are at most two: one of them was NULL.
+/// The pointers that the line uses at which the program's own code broke, if there are at most two: one of them was
+/// NULL.
 fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let pointers = accesses_at(broken, program)?.pointers;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
@@ -363,7 +364,7 @@ pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<Str
 
 /// The line in the program's own sources to which return addresses lead, the innermost first.
 pub(super) fn line_of_stack(addresses: &[usize], program: &RobotProgram) -> Option<String> {
-    // Address 0, where no code is, takes the place of the program counter.
+    // Address 0 contains no code; it takes the place of the program counter.
     let addresses: Vec<usize> = std::iter::once(0).chain(addresses.iter().copied()).collect();
     program.own_source_line(&addresses).map(|line| line.to_string())
 }
@@ -376,8 +377,8 @@ pub(super) fn line_of_location(location: &CodeLocation, program: &RobotProgram) 
     }
 }
 
-/// The addresses of a break without the words of the stack below the call in progress, which may be left over from earlier calls. A
-/// program in its own process has already omitted them.
+/// Returns the addresses of a break without the words of the stack below the call in progress, which may be left over
+/// from earlier calls. A program in its own process has already omitted them.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
     let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {

@@ -1,4 +1,4 @@
-//! Explains the messages of the C++ and Rust libraries with which programs end.
+//! Explains the last messages of programs that end by an error of the C++ or Rust library.
 
 use std::path::PathBuf;
 

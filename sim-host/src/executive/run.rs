@@ -64,8 +64,8 @@ pub struct Run {
     is_verbose: bool,
     /// Time for which the run continues after its last program has ended.
     linger: Time,
-    /// The recording of calls has been turned on for an individual robot at least once; the robots' journals store for
-    /// which robots.
+    /// True once the recording of calls has been turned on for an individual robot; the robots' journals store for
+    /// which ones.
     has_verbose_robots: AtomicBool,
     /// Reference to this run for the flows of spawned robots.
     weak_self: Weak<Run>,
@@ -128,9 +128,10 @@ impl Run {
     /// The process has no file descriptor left.
     pub(super) fn new(parts: RunParts, limits: &Limits) -> std::io::Result<Arc<Self>> {
         let has_program: Vec<bool> = parts.programs.iter().map(Option::is_some).collect();
-        let home = |program: &Option<RobotProgram>| program.as_ref()?.variables().map(|variables| variables.worker());
-        let homes = parts.programs.iter().map(home).collect();
-        let plan = Plan { has_program, homes, workers: limits.workers, until: limits.until };
+        let bound_worker =
+            |program: &Option<RobotProgram>| program.as_ref()?.variables().map(|variables| variables.worker());
+        let bound_workers = parts.programs.iter().map(bound_worker).collect();
+        let plan = Plan { has_program, bound_workers, workers: limits.workers, until: limits.until };
         let notifier = Arc::new(Notifier::new()?);
         let members = parts.robots.into_iter().zip(parts.programs);
         Ok(Arc::new_cyclic(|weak_self| Self {
@@ -196,7 +197,7 @@ impl Run {
         self.members[id.index()].is_removed.store(true, Ordering::Release);
     }
 
-    /// The spawner of robots and objects, with the register of all that were ever in the run.
+    /// The spawner of robots and objects, with the registry of all robots and objects that were ever in the run.
     pub fn spawner(&self) -> MutexGuard<'_, Spawner> {
         self.spawner.lock()
     }
@@ -239,7 +240,7 @@ impl Run {
 
     /// The worker on which robot `id` has to run, because the copy of its library belongs to that worker; `None` for any
     /// worker.
-    pub(super) fn home(&self, id: RobotId) -> Option<u32> {
+    pub(super) fn bound_worker(&self, id: RobotId) -> Option<u32> {
         self.program(id)?.variables().map(|variables| variables.worker())
     }
 
@@ -515,8 +516,8 @@ impl Run {
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run continues
-    /// without it. For `deadline` see [`Dispatcher::advance`].
+    /// Ends robot `id` in the run, which continues without it: stops its motors, ends its radio and takes it out of the
+    /// schedule. For `deadline` see [`Dispatcher::advance`].
     pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);

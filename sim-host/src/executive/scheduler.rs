@@ -231,7 +231,7 @@ impl Scheduler {
         &self.run
     }
 
-    /// Runs the slots that start before `time` and before the run's limit. The calling thread supervises the programs meanwhile.
+    /// Runs the slots that start before `time` and before the run's limit; the calling thread supervises the programs.
     pub fn advance_to(&mut self, time: Time) -> Progress {
         self.advance_within(time, Duration::MAX)
     }
@@ -355,7 +355,7 @@ impl Scheduler {
                     self.handle_broken(id, broken, deadline);
                 }
             }
-            // A flow that runs scheduler steps over many slots in which no robot is due keeps the lock meanwhile.
+            // A flow keeps the lock while it runs scheduler steps over many slots in which no robot is due.
             let Some(mut dispatcher) = self.run.dispatcher.try_lock_for(POLL_INTERVAL) else { continue };
             if dispatcher.is_at_rest() {
                 return;

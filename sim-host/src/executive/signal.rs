@@ -32,7 +32,8 @@ pub struct FlowBlock {
     pub stack: [AtomicUsize; 2],
     /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
-    /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
+    /// Id of the RoBIOS call in progress or, in the program's own code, of the last call; `u16::MAX` before the first
+    /// call.
     pub last_call: AtomicU16,
     /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
@@ -86,7 +87,7 @@ enum OnFault {
     Report(FaultCallback),
 }
 
-/// Functions by which a thread leaves a broken fiber.
+/// Functions that leave a broken fiber.
 #[derive(Clone, Copy)]
 pub struct FiberExits {
     /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns; async-signal-safe.
@@ -113,7 +114,7 @@ pub struct Fault {
     pub sp: usize,
 }
 
-/// The signal by which the watchdog stops an overdue thread.
+/// The signal that stops an overdue thread; the watchdog sends it.
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
 /// Code of a SIGFPE: an integer was divided by 0 (FPE_INTDIV, which the crate `libc` does not have).
@@ -222,7 +223,7 @@ impl FlowBlock {
         compiler_fence(Ordering::SeqCst);
     }
 
-    /// Marks the flow as back in the program; stops it if the watchdog's signal came meanwhile.
+    /// Marks the flow as back in the program; stops it if the watchdog's signal came while the flow was in the host.
     #[inline]
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);
@@ -384,7 +385,8 @@ impl Drop for FlowBlock {
     }
 }
 
-/// Catches the faults of flows as long as any value of this type lives; dropping the last one restores the previous handlers.
+/// Catches the faults of flows as long as any value of this type lives; dropping the last value restores the previous
+/// handlers.
 #[derive(Debug)]
 pub struct Handlers(());
 
@@ -419,8 +421,8 @@ struct PreviousAction {
     flags: AtomicI32,
 }
 
-/// The previous actions of [`CAUGHT_SIGNALS`]; valid once our handler has been installed, and kept after
-/// that: other code may chain to our handler later.
+/// The previous actions of [`CAUGHT_SIGNALS`], valid once our handler has been installed. They are kept after that,
+/// since other code may chain to our handler later.
 static PREVIOUS_ACTIONS: [PreviousAction; CAUGHT_SIGNALS.len()] =
     [const { PreviousAction { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } };
         CAUGHT_SIGNALS.len()];
@@ -430,7 +432,7 @@ impl Handlers {
     ///
     /// # Errors
     /// The kernel refuses a handler.
-    pub fn hold() -> io::Result<Self> {
+    pub fn install() -> io::Result<Self> {
         let mut state = HANDLER_STATE.lock();
         if state.count == 0 {
             state.install().inspect_err(|_| state.restore())?;
@@ -453,7 +455,7 @@ impl Handlers {
     }
 
     /// Returns true while any value of this type lives.
-    pub fn are_held() -> bool {
+    pub fn are_installed() -> bool {
         ARE_INSTALLED.load(Ordering::Acquire)
     }
 }
@@ -475,7 +477,8 @@ impl HandlerState {
         for (index, signal) in CAUGHT_SIGNALS.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
-            // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
+            // Our handler may still be installed below another handler that chains to it, unless other code has
+            // restored the default action.
             let is_reset = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
             if self.previous[index].is_none() || is_reset {
                 PREVIOUS_ACTIONS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
@@ -581,7 +584,7 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
 /// # Errors
 /// The kernel refuses a handler.
 pub fn install_in_child() -> io::Result<()> {
-    std::mem::forget(Handlers::hold()?);
+    std::mem::forget(Handlers::install()?);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP, libc::SIGQUIT] {
         // SAFETY: no handler.
         unsafe { change_action(signal, Some(&action(libc::SIG_IGN, 0))) }?;
@@ -844,14 +847,14 @@ mod tests {
         // SAFETY: a handler without SA_SIGINFO gets a number, and stores it.
         let previous =
             unsafe { change_action(OVERDUE_SIGNAL, Some(&action(receive as *const () as usize, 0))) }.unwrap();
-        let held = [Handlers::hold().unwrap(), Handlers::hold().unwrap()];
+        let held = [Handlers::install().unwrap(), Handlers::install().unwrap()];
         assert_eq!(handler(), on_fault as *const () as usize);
         // SAFETY: raise takes no pointer.
         unsafe { libc::raise(OVERDUE_SIGNAL) };
         assert_eq!(RECEIVED.load(Ordering::Relaxed), OVERDUE_SIGNAL);
         let [first, second] = held;
         drop(first);
-        assert!(Handlers::are_held());
+        assert!(Handlers::are_installed());
         drop(second);
         assert_eq!(handler(), receive as *const () as usize);
         // SAFETY: the previous action came from the kernel.

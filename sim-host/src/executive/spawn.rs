@@ -84,7 +84,7 @@ pub struct NewRobot {
     pub robot: Robot,
     /// Noise model of its radio messages.
     pub radio_noise: RadioNoise,
-    /// Its loaded program, and the prepared program of which it is a copy; `None` for a robot without a program.
+    /// Its loaded program, and the prepared program that was copied; `None` for a robot without a program.
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
 

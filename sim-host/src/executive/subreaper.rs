@@ -51,7 +51,8 @@ impl Subreaper {
 
 /// The processes whose parent is this process.
 fn children() -> BTreeSet<i32> {
-    // A check whether there are children is fast; a list of them requires a look at every process of the machine.
+    // It is fast to check whether there are children; to list them requires reading the status of every process of the
+    // machine.
     if !has_children() {
         return BTreeSet::new();
     }

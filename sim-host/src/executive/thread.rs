@@ -56,7 +56,7 @@ struct RobotThreads {
     flows: Mutex<Flows>,
 }
 
-/// Code of the embedding process, and whether the watchdog has asked it to end.
+/// Code of the embedding process, and a flag that is true once the watchdog has requested its end.
 struct Embedded {
     code: Arc<dyn EmbeddedCode>,
     is_asked_to_end: AtomicBool,
@@ -149,7 +149,7 @@ impl ThreadFlow {
             is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
             timer: Mutex::default(),
-            _handlers: Handlers::hold()?,
+            _handlers: Handlers::install()?,
         })
     }
 

@@ -41,7 +41,7 @@ pub struct FlowSample {
     pub imports: Duration,
 }
 
-/// Factor by which the timeout is longer for the import of a module, and for all imports of a release together.
+/// Factor of the timeout while a module is imported, and for all imports of a release together.
 const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {
@@ -142,7 +142,7 @@ pub fn is_traced(pid: &str) -> bool {
     number_in_status(pid, "TracerPid:").is_some_and(|tracer| tracer != 0 && !is_descendant(tracer))
 }
 
-/// Returns true if the process `pid` is this one, or one that this one or its descendants have started.
+/// Returns true if the process `pid` is this process, or was started by this process or its descendants.
 fn is_descendant(pid: u32) -> bool {
     let own_pid = std::process::id();
     std::iter::successors(Some(pid), |pid| number_in_status(&pid.to_string(), "PPid:"))

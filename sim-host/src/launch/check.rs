@@ -19,7 +19,7 @@ use crate::robios::{cost, forbidden};
 /// and a message.
 pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
-/// Folders in which programs of a scene are searched, in addition to its own: the working folder and the installation.
+/// Folders that are searched for programs of a scene, in addition to its own: the working folder and the installation.
 ///
 /// # Errors
 /// The working folder is unknown.
@@ -28,8 +28,8 @@ pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
     Ok(SearchPath { working_folder, installation: files.home().map(PathBuf::from), ..SearchPath::default() })
 }
 
-/// Search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that
-/// replaces the scene's, and `sandbox` the sandbox in which programs are built.
+/// Returns a function that searches for programs as `eyesim run` does: in the scene's folder and along `search`. `api`
+/// is the generation that replaces the scene's, and `sandbox` restricts the compilers.
 pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandbox>) -> Box<FindProgram<'static>> {
     Box::new(move |scene, robot| {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };

@@ -34,7 +34,7 @@ pub struct Finished {
     pub remarks: Vec<String>,
 }
 
-/// Remarks on the programs of robots that ended well without a call of RoBIOS.
+/// Remarks on the programs that ended well without any call of RoBIOS.
 pub(super) fn remarks_on_idle_programs(ended: &Ended, report: &Report) -> impl Iterator<Item = String> {
     /// Maximum number of robots that are named.
     const MAX: usize = 3;

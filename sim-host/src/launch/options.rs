@@ -49,14 +49,14 @@ pub struct Options {
     pub dialect: Option<Dialect>,
     /// Side of the cells of the scene's maze in metres, instead of the side in its file.
     pub maze_cell: Option<f64>,
-    /// Values of a scene in TOML, by the path of their keys.
+    /// Values that replace those of a scene in TOML, by the paths of their keys.
     pub settings: Vec<Setting>,
-    /// Key presses: `2.5:KEY1, 4:KEY4`; for one robot `2:2.5:KEY1`.
+    /// Key presses, such as `2.5:KEY1, 4:KEY4`, or `2:2.5:KEY1` for robot 2 only.
     pub keys: Vec<String>,
-    /// File with the standard input of the programs, of which each robot reads a copy; `-`: this process's standard input, read to its
-    /// end before the run; `typed`: lines that the user types during the run.
+    /// File with the standard input of the programs; each robot reads a copy. `-`: this process's standard input, read
+    /// to its end before the run; `typed`: lines that the user types during the run.
     pub stdin: Option<PathBuf>,
-    /// Arguments of programs, instead of the scene's: `1:--kp 0.5`; without a number for all robots.
+    /// Arguments of programs, instead of the scene's: `1:--kp 0.5` for robot 1, `--kp 0.5` for all robots.
     pub arguments: Vec<String>,
     /// File with the costs of RoBIOS calls, instead of the scene's.
     pub costs: Option<PathBuf>,
@@ -64,13 +64,14 @@ pub struct Options {
     pub forbid: Vec<String>,
     /// Noise profile of all robots, instead of the scene's: a preset's name or a file.
     pub noise: Option<String>,
-    /// Motion of robots that are pushed against walls, instead of the scene's.
+    /// Motion of robots that push against walls, instead of the scene's setting.
     pub contact: Option<ContactKind>,
     /// Suite whose checks judge the run, in addition to the scene's.
     pub checks: Option<PathBuf>,
     /// True if programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
-    /// True if the programs of checks may run, since the scene is the user's own and not from an archive; default: true.
+    /// True if the programs of checks may run, since the scene is the user's own and not from an archive (default:
+    /// true).
     pub may_run_checks: bool,
     /// Maximum number of bytes that each program can print; further output is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,

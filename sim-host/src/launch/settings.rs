@@ -146,7 +146,7 @@ impl ProgramOption {
         Self { program: program.to_owned(), ..self.clone() }
     }
 
-    /// Returns true if both options have the same text for the robots.
+    /// Returns true if the text that selects the robots is the same in both options.
     pub fn selects_same_robots(&self, other: &Self) -> bool {
         self.selector == other.selector
     }
@@ -285,8 +285,8 @@ fn select_robots(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Precede
     }
 }
 
-/// Names by which an option may refer to a file: as written, without folder, without folder and extension. Sim files contain paths in the
-/// syntax of Windows or of Unix.
+/// Names that an option may use for a file: as written, without folder, or without folder and extension. Sim files
+/// contain paths in the syntax of Windows or of Unix.
 fn names_of_file(path: &str) -> impl Iterator<Item = &str> {
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);

@@ -1,4 +1,4 @@
-//! Compact storage of a run's events during the run, from which a trace can be made.
+//! Compact storage of a run's events during the run, which can be converted to a trace.
 //!
 //! Events are stored in their canonical form in an unnamed temporary file. This takes a fraction of the time of
 //! writing JSON lines.

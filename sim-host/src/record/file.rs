@@ -12,11 +12,11 @@ use parking_lot::Mutex;
 /// A file that hashes and counts the bytes written to it.
 pub struct RecordFile {
     file: File,
-    proof: Arc<Proof>,
+    expected_file: Arc<ExpectedFile>,
 }
 
 /// Identity and expected contents of a file, to check its completeness at the end of the run.
-pub struct Proof {
+pub struct ExpectedFile {
     path: PathBuf,
     /// Device and inode; `None` if the file is not a regular one (for example a pipe) and cannot be checked.
     identity: Option<(u64, u64)>,
@@ -40,16 +40,16 @@ impl RecordFile {
         }
         let identity = (is_regular && !path.starts_with("/dev")).then(|| identity(&metadata));
         let (written, content) = (AtomicU64::new(0), Mutex::default());
-        Ok(Self { file, proof: Arc::new(Proof { path: path.to_owned(), identity, written, content }) })
+        Ok(Self { file, expected_file: Arc::new(ExpectedFile { path: path.to_owned(), identity, written, content }) })
     }
 
-    /// The proof, which must be checked after everything is written.
-    pub fn proof(&self) -> Arc<Proof> {
-        Arc::clone(&self.proof)
+    /// The expected contents, which must be checked after everything is written.
+    pub fn expected_file(&self) -> Arc<ExpectedFile> {
+        Arc::clone(&self.expected_file)
     }
 }
 
-impl Proof {
+impl ExpectedFile {
     /// Checks that the file at the path is still this file and contains exactly the written bytes.
     ///
     /// # Errors
@@ -89,9 +89,9 @@ fn identity(metadata: &Metadata) -> (u64, u64) {
 impl Write for RecordFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.file.write(bytes)?;
-        self.proof.written.fetch_add(count as u64, Ordering::Relaxed);
-        if self.proof.identity.is_some() {
-            self.proof.content.lock().update(&bytes[..count]);
+        self.expected_file.written.fetch_add(count as u64, Ordering::Relaxed);
+        if self.expected_file.identity.is_some() {
+            self.expected_file.content.lock().update(&bytes[..count]);
         }
         Ok(count)
     }
@@ -121,7 +121,7 @@ mod tests {
         damage(&path);
         // A descriptor that a program has closed cannot be tried here: the process would lose another file.
         file.write_all(b"de").unwrap();
-        file.proof().check().map_err(|error| error.to_string())
+        file.expected_file().check().map_err(|error| error.to_string())
     }
 
     #[test]
@@ -143,6 +143,6 @@ mod tests {
     fn device_is_not_checked() {
         let mut file = RecordFile::create(Path::new("/dev/null")).unwrap();
         file.write_all(b"abc").unwrap();
-        file.proof().check().unwrap();
+        file.expected_file().check().unwrap();
     }
 }

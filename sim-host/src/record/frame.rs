@@ -64,8 +64,9 @@ impl Pixels<'_> {
         }
     }
 
-    /// Encodes the image as PNG: colours and greys with 8 bits; depths with 16 bits, in mm, 0 for the sky, 65535 for this distance
-    /// or a larger one; labels as their numbers, with a palette if none exceeds 255, otherwise with 16 bits.
+    /// Encodes the image as PNG. Colours and greys have 8 bits. Depths have 16 bits, in mm; 0 is the sky, and 65535 is
+    /// this distance or a larger one. Labels are stored as their numbers, with a palette if none exceeds 255, otherwise
+    /// with 16 bits.
     pub fn png(&self, size: [u32; 2]) -> Vec<u8> {
         match self {
             Self::Colour(bytes) => png::colour(size, bytes),
@@ -190,7 +191,7 @@ impl Frames {
         }
     }
 
-    /// Stores a layer that `robot` shows, in place of an earlier one of this slot.
+    /// Stores a layer that `robot` shows; it replaces an earlier layer of the same name in this slot.
     pub fn store_layer(&self, robot: RobotId, name: &str, layer: Arc<Layer>) {
         let Some(captures) = &self.captures else { return };
         let mut captures = captures.lock();

@@ -234,7 +234,7 @@ fn push_line(lines: &mut String, record: &Record<'_>, hint_location: Option<&str
     lines.push('\n');
 }
 
-/// Returns true for a character by which text could control a terminal or reorder its words.
+/// Returns true for a character that could control a terminal or reorder the words of a text.
 pub fn is_terminal_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
 }

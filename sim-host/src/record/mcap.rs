@@ -25,7 +25,7 @@ use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_view::protocol::{Link, Point, Scene};
 
-use super::file::{Proof, RecordFile};
+use super::file::{ExpectedFile, RecordFile};
 use super::frame::{Frames, StoredCapture, StoredFrame, StoredScan};
 use super::layer::{Layer, Shape};
 use super::sink::{RecordError, Sink};
@@ -71,8 +71,8 @@ pub struct Mcap {
     next_numbers: [u32; 2],
     /// True if messages have been written since the last flush.
     needs_flush: bool,
-    /// Proof that is checked at the end, if the recording is a file.
-    proof: Option<Arc<Proof>>,
+    /// Expected contents, which are checked at the end, if the recording is a file.
+    expected_file: Option<Arc<ExpectedFile>>,
 }
 
 /// Time in Foxglove's format.
@@ -88,8 +88,8 @@ impl Mcap {
     /// [`RecordError::Write`] if the file cannot be written.
     pub fn create(path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
         let file = RecordFile::create(path).map_err(|source| RecordError::write("recording", path, source))?;
-        let proof = Some(file.proof());
-        Ok(Self { proof, ..Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)? })
+        let expected_file = Some(file.expected_file());
+        Ok(Self { expected_file, ..Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)? })
     }
 
     fn new(out: Box<dyn Output>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
@@ -118,7 +118,7 @@ impl Mcap {
             links: BTreeMap::new(),
             next_numbers,
             needs_flush: true,
-            proof: None,
+            expected_file: None,
         };
         mcap.write_metadata("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
         mcap.write_initial_contents(&robots, &objects)?;
@@ -449,7 +449,8 @@ impl Sink for Mcap {
         self.with_writer(|writer| writer.finish().map(drop))?;
         let Some(writer) = self.writer.take() else { return Ok(()) };
         let flushed = writer.into_inner().flush();
-        let checked = flushed.and_then(|()| self.proof.as_ref().map_or(Ok(()), |proof| proof.check()));
+        let checked =
+            flushed.and_then(|()| self.expected_file.as_ref().map_or(Ok(()), |expected_file| expected_file.check()));
         checked.map_err(|error| self.error(error))
     }
 }

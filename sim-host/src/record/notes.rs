@@ -22,7 +22,7 @@ const MAX_METRICS: usize = 200;
 /// Maximum number of remarks that are stored.
 const MAX_REMARKS: usize = 20;
 
-/// Prefix of a line with which a program reports a metric.
+/// Prefix of a line that reports a metric of a program.
 const METRIC: &str = "METRIC ";
 
 /// Sink that collects the instants of contacts, the hints, calls of forbidden functions, and the metrics that programs print: lines

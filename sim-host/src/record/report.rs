@@ -144,8 +144,8 @@ pub struct RobotReport {
     pub id: u32,
     /// Name of the robot's type.
     pub name: String,
-    /// Program as the sim file or the command line names it; for the `Cargo.toml` of a package, the name of its folder; empty for a robot
-    /// without a program.
+    /// Program as the sim file or the command line names it. For the `Cargo.toml` of a package, it is the name of the
+    /// package's folder; for a robot without a program, it is empty.
     pub program: String,
     /// State of the program.
     pub outcome: Outcome,

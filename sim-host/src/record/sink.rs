@@ -45,7 +45,7 @@ impl RecordError {
 
 /// Consumer of records.
 pub trait Sink: Send {
-    /// Kinds of records that the sink takes; constant during a run. In a slot with records of other kinds only, only
+    /// Kinds of records that the sink takes; constant during a run. If a slot has only records of other kinds, only
     /// [`Self::end_slot`] is called.
     fn interest(&self) -> KindSet;
 
@@ -164,7 +164,7 @@ impl Sink for Sinks<'_> {
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.end_slot(end, digest))
     }
 
-    /// Completes every sink, even if another one fails; returns the first error.
+    /// Completes every sink, even if another sink fails; returns the first error.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         let results = self.sinks.iter_mut().map(|(_, sink)| sink.finish(end, digest));
         results.fold(Ok(()), Result::and)

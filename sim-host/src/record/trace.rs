@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use sim_core::time::Time;
 
-use super::file::{Proof, RecordFile};
+use super::file::{ExpectedFile, RecordFile};
 use super::report::Input;
 use super::sink::{RecordError, Sink};
 use super::zstd;
@@ -133,8 +133,8 @@ pub struct Trace {
     kinds: KindSet,
     /// Lines that are not compressed yet; `None` for a trace of plain text.
     uncompressed: Option<Vec<u8>>,
-    /// Proof that is checked at the end, if the trace is a file.
-    proof: Option<Arc<Proof>>,
+    /// Expected contents, which are checked at the end, if the trace is a file.
+    expected_file: Option<Arc<ExpectedFile>>,
 }
 
 /// Lines of a trace that are not events.
@@ -165,9 +165,9 @@ impl Trace {
     /// [`RecordError::Write`] if the file cannot be written.
     pub fn create(path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
         let file = RecordFile::create(path).map_err(|source| RecordError::write("trace", path, source))?;
-        let proof = Some(file.proof());
+        let expected_file = Some(file.expected_file());
         let is_compressed = path.extension().is_some_and(|extension| extension == "zst");
-        Ok(Self { proof, ..Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))? })
+        Ok(Self { expected_file, ..Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))? })
     }
 
     /// Trace that is written to `out`; `path` is its name in error messages.
@@ -190,7 +190,7 @@ impl Trace {
             has_new_lines: false,
             kinds: kinds_of_trace(&header.only),
             uncompressed,
-            proof: None,
+            expected_file: None,
         };
         trace.write_line(&ControlLine::Header {
             schema: TRACE_SCHEMA,
@@ -250,7 +250,10 @@ impl Sink for Trace {
         self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
         self.compress(1)?;
         self.flush()?;
-        self.proof.as_ref().map_or(Ok(()), |proof| proof.check()).map_err(|source| self.error(source))
+        self.expected_file
+            .as_ref()
+            .map_or(Ok(()), |expected_file| expected_file.check())
+            .map_err(|source| self.error(source))
     }
 }
 

@@ -21,8 +21,9 @@ const MAX_POINTS: usize = 4096;
 
 /// A polyline that stays within [`Self::deviation`] of every pushed position.
 ///
-/// Positions since the last corner are not stored, only the sector of directions of a segment that passes all of them within the
-/// tolerance (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds 4096 points.
+/// Positions since the last corner are not stored. Instead, the trail stores the sector of directions in which a
+/// segment passes all of them within the tolerance (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm
+/// and doubles when the trail exceeds 4096 points.
 #[derive(Clone, Debug)]
 pub struct Trail {
     corners: Vec<DVec2>,
@@ -81,7 +82,7 @@ impl Trail {
 
     /// Maximum distance of the polyline from a pushed position, in metres.
     pub fn deviation(&self) -> f64 {
-        // Each thinning adds its tolerance to the previous ones, a geometric series. A point beyond the end of a
+        // Each thinning adds its tolerance to those before, a geometric series. A point beyond the end of a
         // segment may deviate by one tolerance along it and one across it.
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
@@ -192,7 +193,7 @@ impl Trails {
         &self.trails
     }
 
-    /// Points of contact, in metres; points within 1 cm of the previous one are omitted.
+    /// Points of contact, in metres; points within 1 cm of the previous point are omitted.
     pub fn contacts(&self) -> &[DVec2] {
         &self.contacts
     }

@@ -16,7 +16,7 @@ pub const TONE_HZ: std::ops::RangeInclusive<i32> = 65..=21_000;
 /// Duration of a beep (`AUBeep`); our choice.
 pub const BEEP: Time = Time::from_millis(100);
 
-/// State of loudspeaker and microphone. A new sound replaces the one in progress.
+/// State of loudspeaker and microphone. A new sound replaces the sound in progress.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Audio {
     tone_end: Time,
@@ -76,7 +76,7 @@ pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
     wave.rate_hz
 }
 
-/// `AUPlay`: plays a WAV file in memory, or the one that `sample` names.
+/// `AUPlay`: plays a WAV file in memory, or the WAV file that `sample` names.
 pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
     let Some(sample) = sample else { return robot.fail_call(Robios7Call::AUPlay, 1) };
     if let Some(wave) = Wave::parse(sample) {

@@ -1,8 +1,8 @@
 //! Entry of a robot's calls into the simulator: the behaviour that all RoBIOS calls share.
 //!
-//! A call costs virtual time and acts at its end. If its end lies in a later slot, the flow is suspended first; timer
-//! callbacks that become due meanwhile run inside the call. The modules beside this file define only the effect of each
-//! call.
+//! A call costs virtual time and acts at its end. If its end lies in a later slot, the flow is suspended first. Timer
+//! callbacks that become due before the end run inside the call. The other modules of this folder define only the
+//! effect of each call.
 
 use std::any::Any;
 
@@ -68,7 +68,7 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Like [`Caller::call`], compiled once for all functions.
+    /// Implements [`Caller::call`] without type parameters, so that it is compiled only once.
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
@@ -108,7 +108,8 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Like [`Caller::wait`], compiled once for all functions; if it `has_cost`, the cost of `call` passes first.
+    /// Implements [`Caller::wait`] without type parameters, so that it is compiled only once; if it `has_cost`, the
+    /// cost of `call` passes first.
     fn wait_polling(
         &self,
         call: Call,
@@ -122,7 +123,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Waits in `call`, made at `site`, until `poll` is ready; the robot's other tasks run meanwhile.
+    /// Waits in `call`, made at `site`, until `poll` is ready; the robot's other tasks run during the wait.
     fn wait_in<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -184,7 +185,7 @@ impl<F: Flow> Caller<F> {
 
     /// Like [`Caller::take_turns`], for a robot that has other tasks.
     fn take_turns_among(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
-        // The program prints inside its C library, whose streams no other task may use meanwhile.
+        // The program prints inside its C library, whose streams no other task may use until the print ends.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
             return Ok(());
         }
@@ -278,7 +279,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Lets `span` of virtual time pass, as a sleep of the program outside RoBIOS.
+    /// Lets `span` of virtual time pass, for a sleep of the program outside RoBIOS.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
@@ -377,8 +378,8 @@ impl<F: Flow> Caller<F> {
         self.pass_until(robot, end, true)
     }
 
-    /// Lets virtual time pass until `end`; runs the timer callbacks that become due, and computes the measurements that
-    /// sensors complete meanwhile.
+    /// Lets virtual time pass until `end`. Runs the timer callbacks that become due before then, and computes the
+    /// measurements that sensors complete before then.
     ///
     /// If the time is the call's own work (`is_work`), callbacks delay its end by their duration. Otherwise the robot
     /// waits: the function returns early after each callback, and when the scheduler step may have fulfilled the

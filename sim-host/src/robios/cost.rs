@@ -52,7 +52,7 @@ pub enum CostError {
     /// A section does not name a known generation.
     #[error("line {line}: unknown section `{name}`, expected `robios6` or `robios7`")]
     CostSection {
-        /// Line from 1.
+        /// Line number, from 1.
         line: usize,
         /// The name.
         name: String,
@@ -60,7 +60,7 @@ pub enum CostError {
     /// An entry matches no function.
     #[error("line {line}: unknown function `{name}`{}", suggestion.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default())]
     Function {
-        /// Line from 1.
+        /// Line number, from 1.
         line: usize,
         /// The name.
         name: String,
@@ -70,7 +70,7 @@ pub enum CostError {
     /// A cost is out of range or not an integer.
     #[error("line {line}: `{name}` must cost 1 to 3600000000 us, in whole microseconds")]
     Cost {
-        /// Line from 1.
+        /// Line number, from 1.
         line: usize,
         /// The entry.
         name: String,

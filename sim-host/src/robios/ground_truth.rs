@@ -172,8 +172,8 @@ fn pose_from_program(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> P
     pose([x_mm, y_mm, heading_from_program(dialect, phi_degrees)])
 }
 
-/// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. EyeSim VR of 2018
-/// returns 360 minus the yaw of Unity, which is 90 - `phi` from 0 to 359: so 1 to 360, counter-clockwise from -y.
+/// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. For EyeSim VR of 2018 it
+/// is 360 minus the yaw of Unity: from 1 to 360, counter-clockwise from y.
 fn heading_to_program(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => 360 - yaw(phi),
@@ -181,8 +181,8 @@ fn heading_to_program(dialect: Dialect, phi: i32) -> i32 {
     }
 }
 
-/// Heading in degrees, counter-clockwise from x, for the argument `phi` of a program. For EyeSim VR of 2018 it is the
-/// yaw of Unity: clockwise from y.
+/// Heading in degrees, counter-clockwise from x, for the argument `phi` of a program. EyeSim VR of 2018 takes `phi` as
+/// the yaw of Unity, clockwise from y.
 fn heading_from_program(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => yaw(phi),
@@ -190,8 +190,8 @@ fn heading_from_program(dialect: Dialect, phi: i32) -> i32 {
     }
 }
 
-/// Yaw of Unity, clockwise from y, from 0 to 359, for a heading counter-clockwise from x. The inverse is the same
-/// function, up to whole turns.
+/// Yaw of Unity, clockwise from y, from 0 to 359, for a heading counter-clockwise from x. The function is its own
+/// inverse, up to whole turns.
 fn yaw(phi: i32) -> i32 {
     (90 - i64::from(phi)).rem_euclid(360) as i32
 }

@@ -3,8 +3,8 @@
 /// Return value of a release if none of the handles is open. Source: RoBIOS 6 library, `SERVORelease`.
 pub const WRONG_HANDLE: i32 = 0x1111_0000;
 
-/// Number of devices of one kind that can have a handle: the bits of a positive C `int`; our choice (the manual speaks
-/// of 8).
+/// Number of devices of one kind that can have a handle: the bits of a positive C `int` (our choice; the manual
+/// describes 8).
 pub const MAX_DEVICES: usize = 31;
 
 /// Open handles of one kind of device: device `i` of the robi has bit `i`.

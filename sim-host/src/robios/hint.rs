@@ -20,11 +20,11 @@ pub enum Mistake {
     LongDrive,
     /// A turn by many revolutions.
     LongTurn,
-    /// A PSD sensor is read that was never opened.
+    /// The program reads a PSD sensor that it never opened.
     PsdNotOpen,
-    /// `PSDStart` while the sensors measure already.
+    /// `PSDStart` while the sensors are already measuring.
     PsdBusy,
-    /// A PSD sensor is read that was never started.
+    /// The program reads a PSD sensor that it never started.
     PsdNotStarted,
     /// A drive of RoBIOS-7 of a few millimetres at a few millimetres per second.
     Metres,
@@ -38,7 +38,7 @@ pub enum Mistake {
     NoNumber,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees per second.
     Radians,
-    /// A drive replaces the previous drive just after its start.
+    /// A drive replaces a drive that has just started.
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,

@@ -1,5 +1,4 @@
-//! Standard input of a program: a text given to the run, of which each robot reads its own copy, or lines that the user
-//! types during the run.
+//! Standard input of a program: a copy of a text given to the run, or lines that the user types during the run.
 
 use std::sync::Arc;
 
@@ -14,7 +13,7 @@ pub enum Source {
     /// No input: it is at its end.
     #[default]
     Empty,
-    /// A text, of which each program reads a copy.
+    /// A text; each program reads a copy.
     Text(Arc<[u8]>),
     /// Lines that the user types; programs wait for them.
     Typed,
@@ -28,7 +27,7 @@ pub struct Input {
     typed: Vec<u8>,
     /// Number of bytes that the program has read.
     read: usize,
-    /// Number of reads at the end of the text in quick succession, and the time of the last one.
+    /// Number of reads at the end of the text in quick succession, and the time of the last of them.
     reads_at_end: u32,
     last_read_at_end: Time,
     /// The program has read at the end of the text.

@@ -125,7 +125,7 @@ impl Lcd {
         }
     }
 
-    /// Sets text `position` (1 to 4) of the menu line: at most 4 characters, padded with blanks; an empty text changes
+    /// Sets text `position` (1 to 4) of the menu line: at most 4 characters, padded with blanks. An empty text changes
     /// nothing.
     ///
     /// # Errors

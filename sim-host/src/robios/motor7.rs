@@ -1,7 +1,7 @@
 //! Motors and encoders of RoBIOS-7: addressed by number, each motor with its own controller.
 //!
-//! Source: RoBIOS-7 library, servos and motors. Setting a motor ends a drive in progress; the other motors keep their
-//! rates: our choice.
+//! Source: RoBIOS-7 library, servos and motors. Our choice: setting a motor ends a drive in progress, and the other
+//! motors keep their rates.
 
 use std::f64::consts::TAU;
 

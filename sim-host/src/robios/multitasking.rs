@@ -231,7 +231,7 @@ impl<F: Flow> Caller<F> {
 }
 
 impl Robot {
-    /// Returns true if every task waits for another one and no timer callback is attached that could wake any.
+    /// Returns true if every task waits for another task, and no timer callback is attached that could wake a task.
     pub(super) fn is_deadlocked(&self) -> bool {
         let is_blocked = |number| self.tasks.scheduler().is_none_or(|scheduler| !scheduler.is_ready(number));
         self.timers.next_due() == Time::NEVER && self.tasks.iter().all(|task| is_blocked(task.number))

@@ -124,7 +124,7 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
 /// Hue of a colour: red is 43, green 128, blue 213; other hues differ from the nearest of these by up to 42. The hue is
 /// 0 for grey: a colour whose largest and smallest channel differ by at most half of the largest.
 ///
-/// Source: Bräunl, Embedded Robotics, colour; the offset as in the EyeBot's library.
+/// Source: Bräunl, Embedded Robotics, colour; the offset is that of the EyeBot's library.
 pub fn hue([red, green, blue]: [u8; 3]) -> u8 {
     let [red, green, blue] = [red, green, blue].map(i32::from);
     let largest = red.max(green).max(blue);

@@ -1,4 +1,4 @@
-//! Serial interfaces: output is recorded; input comes from the device that the robi's companion connects.
+//! Serial interfaces. Output is recorded; input comes from the device that the robi's companion connects.
 //!
 //! A byte takes 10 bits at the baud rate. A loop-back returns all output; a connected file is sent from the opening of
 //! the interface on. An interface with nothing connected never receives anything. Sources: RoBIOS 6 library, RS-232;
@@ -36,7 +36,7 @@ const MAX_BAUD: i32 = 4_000_000;
 /// Transmission time of a byte in microseconds, times the baud rate.
 const BYTE_US_BAUD: i64 = 10_000_000;
 
-/// Capacity of a loop-back in bytes: further bytes are lost; our choice.
+/// Capacity of a loop-back in bytes; further bytes are lost. Our choice.
 const LOOPBACK_CAPACITY: usize = 1 << 16;
 
 /// The interfaces of a robot.
@@ -50,7 +50,7 @@ pub struct Serial {
 #[derive(Clone, Debug)]
 enum Peer {
     Loopback,
-    /// A device that sends `bytes`, of which it has sent the first `sent` before the interface was last opened.
+    /// A device that sends `bytes`; it had sent the first `sent` of them before the interface was last opened.
     Device {
         bytes: Arc<[u8]>,
         sent: usize,

@@ -9,7 +9,7 @@ use robios_sys::robios6::hdt_type::{
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::spec::RobiSpec;
 
-/// Maximum device number in RoBIOS-7: programs can address 4 motors, 6 PSDs, 14 servos; 31 is our choice.
+/// Maximum device number in RoBIOS-7. Programs can address 4 motors, 6 PSDs and 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
 /// Name of a device of `hdt_sem.h` in the Rust library: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`. Other devices have no

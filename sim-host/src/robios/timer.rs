@@ -16,7 +16,7 @@ pub struct Timers {
     next_handle: i32,
     /// A callback is running: callbacks are never nested, and may not wait.
     pub in_callback: bool,
-    /// Timers are held from `OSDisable` to `OSEnable`: a timer that becomes due meanwhile runs once, at `OSEnable`.
+    /// Timers are held from `OSDisable` to `OSEnable`: a timer that becomes due in between runs once, at `OSEnable`.
     pub are_held: bool,
 }
 
@@ -68,8 +68,8 @@ impl Timers {
         due
     }
 
-    /// Ends the running callbacks at `now`. Ticks that became due meanwhile are dropped, so that the program itself
-    /// continues however long its callbacks take.
+    /// Ends the running callbacks at `now`. Ticks that became due while they ran are dropped, so that the program
+    /// itself continues however long its callbacks take.
     pub fn end_callbacks(&mut self, now: Time) {
         self.in_callback = false;
         self.list.iter_mut().for_each(|timer| timer.skip_past(now));

@@ -19,7 +19,8 @@ use super::{Kernel, Role};
 /// Placeholder for the process id in a filter; greater than any process id.
 pub(super) const OWN_PROCESS: u32 = 0x5A17_C0DE;
 
-/// Number from which on system calls are the same on all architectures, and missing in old kernels.
+/// Smallest number of a new system call: from here on, calls have the same numbers on all architectures, and old
+/// kernels lack them.
 pub const FIRST_NEW: c_long = 424;
 
 /// Number up to which new system calls are filtered.

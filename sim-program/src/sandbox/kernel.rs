@@ -1,4 +1,4 @@
-//! Detects by which means the kernel can close areas.
+//! Detects the features with which the kernel can close areas.
 
 use std::ptr;
 
@@ -34,7 +34,7 @@ impl Kernel {
     ///
     /// # Errors
     /// The missing feature, if the area cannot be closed.
-    pub fn means(&self, area: Area) -> Result<String, &'static str> {
+    pub fn describe_means(&self, area: Area) -> Result<String, &'static str> {
         let landlock = format!("Landlock {}", self.landlock);
         match area {
             Area::Resources => Ok("resource limits".to_owned()),
@@ -54,7 +54,7 @@ impl Kernel {
 
     /// The strongest level that the kernel supports.
     pub fn strongest_level(&self) -> Level {
-        let is_supported = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
+        let is_supported = |level: &Level| level.areas().all(|area| self.describe_means(area).is_ok());
         Level::ALL.into_iter().rev().find(is_supported).unwrap_or(Level::Limits)
     }
 
@@ -63,7 +63,7 @@ impl Kernel {
     /// # Errors
     /// [`UnsupportedLevel`] with the first area that stays open.
     pub fn check(&self, level: Level) -> Result<(), UnsupportedLevel> {
-        let open = level.areas().find_map(|area| Some((area, self.means(area).err()?)));
+        let open = level.areas().find_map(|area| Some((area, self.describe_means(area).err()?)));
         match open {
             Some((area, missing)) => Err(UnsupportedLevel { level, area, missing, strongest: self.strongest_level() }),
             None => Ok(()),
@@ -94,7 +94,7 @@ mod tests {
         assert!(refused.contains("network") && refused.contains("`--sandbox=limits`"), "{refused}");
         assert_eq!(bare.check(Level::Limits), Ok(()));
         let early = Kernel { landlock: 3, has_seccomp: true };
-        assert_eq!(early.means(Area::Signals), Ok("seccomp".to_owned()));
+        assert_eq!(early.describe_means(Area::Signals), Ok("seccomp".to_owned()));
         assert_eq!(early.strongest_level(), Level::Full);
     }
 }

@@ -1,9 +1,9 @@
 //! Sandbox: kernel-enforced restrictions on the processes that compile and run untrusted programs.
 //!
-//! A [`Level`] determines which [areas](Area) are closed to such a process, and [`Kernel`] by which means this kernel
-//! closes each of them. [`Sandbox::new`] refuses a level that the kernel does not support. [`Sandbox::apply`] restricts a command
-//! before it is started: [`files`] with Landlock, [`calls`] with seccomp, [`limits`] with resource limits, and
-//! `process` applies them between fork and exec. `docs/sandbox.md` lists what is not protected.
+//! A [`Level`] determines which [areas](Area) are closed to such a process, and [`Kernel`] determines the features with
+//! which this kernel closes them. [`Sandbox::new`] refuses a level that the kernel does not support. [`Sandbox::apply`]
+//! restricts a command before it is started: [`files`] with Landlock, [`calls`] with seccomp, [`limits`] with resource
+//! limits, and `process` applies them between fork and exec. `docs/sandbox.md` lists what is not protected.
 
 pub mod calls;
 pub mod files;
@@ -142,7 +142,7 @@ pub struct Sandbox {
     pub program_limits: Limits,
     /// Limits of a compiler.
     pub build_limits: Limits,
-    /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first
+    /// Folder that contains the sources of programs, if they lie in several folders; the folder of a program's first
     /// source is always readable.
     pub root: Option<PathBuf>,
 }
@@ -182,7 +182,7 @@ impl Sandbox {
         self.level
     }
 
-    /// Folders from which a program with these sources is built, with symbolic links resolved: the folder of the first
+    /// Folders that a program with these sources is built from, with symbolic links resolved: the folder of the first
     /// source, and the [root](Self::root).
     pub fn source_folders(&self, sources: &[PathBuf]) -> Vec<PathBuf> {
         let folder = sources.first().and_then(|path| path.parent());
@@ -192,7 +192,7 @@ impl Sandbox {
 
     /// Its record in a report.
     pub fn report(&self) -> SandboxReport {
-        let means = |area: Area| Some((area.word().to_owned(), self.kernel.means(area).ok()?));
+        let means = |area: Area| Some((area.word().to_owned(), self.kernel.describe_means(area).ok()?));
         SandboxReport { level: self.level.word().to_owned(), closed: self.level.areas().filter_map(means).collect() }
     }
 

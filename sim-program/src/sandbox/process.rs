@@ -28,9 +28,9 @@ pub(super) struct Restriction {
 /// User of a restricted process that root starts, since limits on processes and permissions of files do not apply to root.
 ///
 /// The user id is otherwise unused, and unique because it is derived from the id of a living process: the program's
-/// process or, for the compilers of one host, which share a folder, the host's process. Programs and their data may lie in
-/// root's folders: the process may read them by `CAP_DAC_READ_SEARCH`, the only capability that it keeps; Landlock
-/// limits what it reads.
+/// process or, for the compilers of one host, which share a folder, the host's process. Programs and their data may lie
+/// in root's folders. The process may read these by `CAP_DAC_READ_SEARCH`, the only capability that it keeps; Landlock
+/// limits which files it reads.
 pub(super) struct User {
     /// The process from whose id the user id is derived; `None` for the restricted process itself.
     source_process: Option<u32>,
@@ -170,7 +170,7 @@ fn install(filter: &[sock_filter]) -> io::Result<()> {
     check(unsafe { libc::syscall(libc::SYS_seccomp, libc::SECCOMP_SET_MODE_FILTER, flags, &raw const program) } as i32)
 }
 
-/// Keeps other processes of this user from reading, writing and tracing this one.
+/// Keeps other processes of this user from reading, writing and tracing this process.
 pub(super) fn hide_own_memory() {
     // SAFETY: the call takes only numbers, and fails only for invalid ones.
     unsafe { libc::prctl(libc::PR_SET_DUMPABLE, 0, 0, 0, 0) };

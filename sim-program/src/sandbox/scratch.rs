@@ -46,7 +46,7 @@ impl Quota {
         Self { folder, max_bytes, last_check: Mutex::new(Instant::now()) }
     }
 
-    /// Returns true if a check is due: the last one was at least `CHECK_INTERVAL` ago.
+    /// Returns true if a check is due: the last check was at least `CHECK_INTERVAL` ago.
     pub fn is_due(&self) -> bool {
         let mut last_check = self.last_check.lock();
         let is_due = last_check.elapsed() >= CHECK_INTERVAL;

@@ -1,6 +1,6 @@
-// Measures what a frame costs the page's own code with many robots: `npm run build && node scripts/frames.mjs [ROBOTS]`.
-// "update" finds where all is and writes it down, "render" hands it to WebGL. What WebGL draws itself is left out: a graphics card
-// does it, where there is none a software rasteriser in another process.
+// Measures the time that the page's own code takes for a frame with many robots: `npm run build && node
+// scripts/frames.mjs [ROBOTS]`. "update" computes all poses and fills the buffers, "render" passes them to WebGL. The
+// drawing itself is not measured: a graphics card or, without one, a software rasteriser in another process does it.
 import { crowd } from "../tests/crowd.mjs";
 import { launch } from "../tests/browser.mjs";
 

@@ -1,4 +1,4 @@
-// Writes package-lock.json anew, without the addresses of a registry: `npm ci` asks the one that is configured.
+// Creates a new package-lock.json without the addresses of a registry, so that `npm ci` uses the configured registry.
 import { execFileSync } from "node:child_process";
 import { readFileSync, rmSync, writeFileSync } from "node:fs";
 

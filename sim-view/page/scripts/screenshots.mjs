@@ -1,5 +1,5 @@
-// Takes the pictures of the window in docs/: `npm run build && node scripts/screenshots.mjs [PATH OF eyesim]`, by default the debug
-// build. Look at them before you commit them.
+// Takes the pictures of the window in docs/: `npm run build && node scripts/screenshots.mjs [EYESIM]`; EYESIM is the
+// path of the binary, by default the debug build. Check the pictures before you commit them.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { fileURLToPath } from "node:url";
@@ -13,7 +13,7 @@ await shoot("window", "sims/soccer.sim", { until_s: 3.2, width: 1360, height: 88
 await shoot("window-radio", "sims/token.scene.toml", { until_s: 0.5, width: 1360, height: 880, colorScheme: "dark" });
 await browser.close();
 
-/** Lets a scene run until a time, pauses, and takes a picture of the page as it is then. */
+/** Runs a scene until a time, pauses, and takes a picture of the page. */
 async function shoot(name, scene, { until_s, width, height, colorScheme = "light", prepare = () => {} }) {
   const eyesim = spawn(EYESIM, ["view", scene, "--no-open", "--port", "0"], { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"] });
   try {
@@ -21,7 +21,7 @@ async function shoot(name, scene, { until_s, width, height, colorScheme = "light
     const page = await browser.newPage({ viewport: { width, height }, colorScheme });
     await page.goto(url);
     await page.waitForFunction(() => globalThis.eyesim?.view?.times.frames > 0, null, { timeout: 120_000 });
-    // From the start, now that it is seen, and slowly enough for a software rasteriser.
+    // Restarts the run once the page shows it, and slowly enough for a software rasteriser.
     await page.evaluate(() => globalThis.eyesim.model.act({ command: "speed", factor: 0.25 }));
     const run = await page.evaluate(() => globalThis.eyesim.model.scene.run);
     await page.evaluate(() => globalThis.eyesim.model.act({ command: "restart", seed: "same" }));

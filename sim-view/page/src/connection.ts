@@ -5,7 +5,7 @@ import { type Command, type Message, PROTOCOL, type Request } from "./protocol";
 
 /** Close code of the server for a page whose token is wrong. */
 const WRONG_TOKEN = 4401;
-/** Close code of the server for a page that speaks another version of the protocol. */
+/** Close code of the server for a page with another version of the protocol. */
 const WRONG_VERSION = 4406;
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;

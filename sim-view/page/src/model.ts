@@ -10,7 +10,7 @@ export type Connection =
   | { is: "open" }
   /** Lost; the next attempt is at `again_ms` (of `performance.now()`). */
   | { is: "lost"; why: string; again_ms: number }
-  /** Refused for good, such as for a wrong token. */
+  /** Refused permanently, such as for a wrong token. */
   | { is: "refused"; why: string }
   /** There is no server: a recording plays. */
   | { is: "recorded" };
@@ -63,7 +63,7 @@ export type Topic =
   | "history"
   /** The 3D view must bring a robot into sight. */
   | "centre"
-  /** The player of a recording was played, paused, set to another speed or has moved. */
+  /** The player of a recording has started, paused, changed its speed or moved. */
   | "player";
 
 /** Selection in the 3D view: a robot (which is then the chosen one) or an object. */
@@ -85,7 +85,7 @@ export class Model {
   welcome: Welcome | null = null;
   scene: Scene | null = null;
   snapshot: Snapshot | null = null;
-  /** The last detail of each robot, by its number; an `lcd` of `null` is replaced by the picture before. */
+  /** The last detail of each robot, by its number; an `lcd` of `null` is replaced by the previous picture. */
   readonly details = new Map<number, Detail>();
   /** The last layers that the programs of robots have shown, by the robot's number and the layer's name. */
   readonly layers = new Map<number, Map<string, Layer>>();
@@ -125,7 +125,7 @@ export class Model {
   }
 
   /** Notifies the subscribers of a topic. */
-  tell(topic: Topic): void {
+  notify(topic: Topic): void {
     for (const f of this.listeners.get(topic) ?? []) f();
   }
 
@@ -133,7 +133,7 @@ export class Model {
   attach(source: Source): void {
     this.source = source;
     source.look(this.wanted);
-    this.tell("player");
+    this.notify("player");
   }
 
   /** The timeline of a recording; none for a live run. */
@@ -152,8 +152,8 @@ export class Model {
   }
 
   /** Requests the chosen robot's camera image and calls, or stops them. */
-  look(wish: { camera?: boolean; calls?: boolean }): void {
-    this.want({ ...this.wanted, ...wish });
+  look(change: { camera?: boolean; calls?: boolean }): void {
+    this.want({ ...this.wanted, ...change });
   }
 
   /** Shows the panels of a robot; null for no robot. */
@@ -161,7 +161,7 @@ export class Model {
     if (robot === this.chosen) return;
     this.chosen = robot;
     this.want({ ...this.wanted, robot });
-    this.tell("chosen");
+    this.notify("chosen");
     this.select(robot === null ? null : { robot });
   }
 
@@ -169,13 +169,13 @@ export class Model {
   select(selection: Selection | null): void {
     this.selected = selection;
     if (selection && "robot" in selection) this.choose(selection.robot);
-    this.tell("selected");
+    this.notify("selected");
   }
 
   /** Brings a robot into sight. */
   centreOn(robot: number): void {
     this.centred = robot;
-    this.tell("centre");
+    this.notify("centre");
   }
 
   /** Chooses the next (1) or previous (-1) robot in order of their numbers. */
@@ -189,7 +189,7 @@ export class Model {
 
   setConnection(connection: Connection): void {
     this.connection = connection;
-    this.tell("connection");
+    this.notify("connection");
   }
 
   /** Handles a message of the server. */
@@ -222,7 +222,7 @@ export class Model {
         this.build = message;
         break;
     }
-    this.tell(message.type);
+    this.notify(message.type);
   }
 
   /** Clears events and history: another run begins, or a recording has moved back. */
@@ -231,8 +231,8 @@ export class Model {
     this.calls = [];
     this.missedEvents = 0;
     this.history.clear();
-    this.tell("events");
-    this.tell("history");
+    this.notify("events");
+    this.notify("history");
   }
 
   private takeScene(scene: Scene): void {
@@ -245,8 +245,8 @@ export class Model {
       this.clock.restart();
       this.motion.restart?.();
       this.forget();
-      this.tell("detail");
-      this.tell("layer");
+      this.notify("detail");
+      this.notify("layer");
     }
     if (!scene.robots.some((robot) => robot.id === this.chosen)) this.choose(scene.robots[0]?.id ?? null);
     const selected = this.selected;
@@ -261,7 +261,7 @@ export class Model {
     let curves = this.history.get(detail.robot);
     if (!curves) this.history.set(detail.robot, (curves = new Map()));
     for (const reading of detail.readings) addSample(curves, reading);
-    this.tell("history");
+    this.notify("history");
   }
 
   private takeEvents(events: Event[], missed: number): void {

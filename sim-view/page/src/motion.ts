@@ -63,7 +63,7 @@ export class SnapshotMotion implements MotionSource {
   }
 
   snapshot(snapshot: Snapshot): void {
-    // A snapshot of the same time, such as after an intervention, replaces the one before.
+    // A snapshot of the same time, such as after an intervention, replaces the previous one.
     if (this.latest && snapshot.t_s > this.latest.t_s) {
       this.previous = this.latest;
       [this.robots, this.robotsBefore] = [this.robotsBefore, this.robots];

@@ -5,9 +5,9 @@ import { blend, type MotionSource, mix, type Posture } from "./motion";
 import type { Detail, Pose, Postures, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
 
 /** Interval at which panels are updated during playback. */
-const TELL_MS = 100;
+const UPDATE_MS = 100;
 
-/** Maximum time between two postures that belong to one motion. */
+/** Maximum time between two postures of one continuous motion. */
 const STEP_S = 0.1;
 
 /** Plays a recording into the model as if it were a live run. */
@@ -18,17 +18,17 @@ export class RecordedSource implements Source, Player {
   private t_s = 0;
   private nextEvent = 0;
   private last_ms = 0;
-  private told_ms = 0;
-  private readonly lives = new Map<number, RobotHistory>();
+  private updated_ms = 0;
+  private readonly histories = new Map<number, RobotHistory>();
 
   constructor(
     private readonly model: Model,
     private readonly recording: Recording,
   ) {
     const { scene, robots, objects } = recording;
-    scene.robots.forEach((robot, i) => this.lives.set(robot.id, robots[i]!));
+    scene.robots.forEach((robot, i) => this.histories.set(robot.id, robots[i]!));
     const tracks = new Map(scene.objects.map((object, i) => [object.id, objects[i]!]));
-    model.motion = new RecordedMotion(this.lives, tracks);
+    model.motion = new RecordedMotion(this.histories, tracks);
     model.receive({ type: "scene", ...scene });
     model.setConnection({ is: "recorded" });
     this.seek(0);
@@ -52,17 +52,17 @@ export class RecordedSource implements Source, Player {
   play(): void {
     if (this.t_s >= this.duration_s) this.seek(0);
     this.isPlaying = true;
-    this.tell();
+    this.updateModel();
   }
 
   pause(): void {
     this.isPlaying = false;
-    this.tell();
+    this.updateModel();
   }
 
   setSpeed(speed: number): void {
     this.speed = speed;
-    this.tell();
+    this.updateModel();
   }
 
   seek(t_s: number): void {
@@ -72,7 +72,7 @@ export class RecordedSource implements Source, Player {
       this.model.forget();
     }
     this.t_s = to;
-    this.tell();
+    this.updateModel();
   }
 
   act(): Promise<void> {
@@ -80,7 +80,7 @@ export class RecordedSource implements Source, Player {
   }
 
   look(): void {
-    this.tellDetail();
+    this.updateDetail();
   }
 
   private tick(now_ms: number): void {
@@ -91,21 +91,21 @@ export class RecordedSource implements Source, Player {
     this.t_s = Math.min(this.duration_s, this.t_s + (this.speed * passed_ms) / 1000);
     this.model.clock.set(this.t_s);
     if (this.t_s >= this.duration_s) this.isPlaying = false;
-    if (now_ms - this.told_ms < TELL_MS && this.isPlaying) return;
-    this.told_ms = now_ms;
-    this.tell();
+    if (now_ms - this.updated_ms < UPDATE_MS && this.isPlaying) return;
+    this.updated_ms = now_ms;
+    this.updateModel();
   }
 
-  /** Updates the model to the time that is played. */
-  private tell(): void {
+  /** Updates the model to the time of the playback. */
+  private updateModel(): void {
     const { model, recording } = this;
     const first = this.nextEvent;
     while ((recording.events[this.nextEvent]?.t_s ?? Infinity) <= this.t_s) this.nextEvent++;
     if (this.nextEvent > first) model.receive({ type: "events", events: recording.events.slice(first, this.nextEvent), missed: 0 });
     model.receive({ type: "snapshot", ...this.snapshot() });
     model.clock.set(this.t_s);
-    this.tellDetail();
-    model.tell("player");
+    this.updateDetail();
+    model.notify("player");
   }
 
   private snapshot(): Snapshot {
@@ -130,18 +130,18 @@ export class RecordedSource implements Source, Player {
   private robotState(id: number): RobotState[] {
     const from: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
     if (!this.model.motion.robot(id, this.t_s, from)) return [];
-    const stood = latest(this.lives.get(id)?.standings ?? [], this.t_s);
+    const programState = latest(this.histories.get(id)?.standings ?? [], this.t_s);
     const posture: Posture = { lift_m: 0, joints_rad: [] };
     this.model.motion.posture(id, this.t_s, posture);
     const piece = { t_s: this.t_s, from, v_m_per_s: 0, left_m_per_s: 0, omega_rad_per_s: 0, lasts_s: 0 };
-    const [standing, why] = [stood?.standing ?? "running", stood?.why ?? ""];
+    const [standing, why] = [programState?.standing ?? "running", programState?.why ?? ""];
     return [{ id, motion: [piece], ...posture, standing, now_s: this.t_s, why, is_stalled: false }];
   }
 
-  private tellDetail(): void {
+  private updateDetail(): void {
     const robot = this.model.chosen;
-    const life = robot === null ? undefined : this.lives.get(robot);
-    if (robot === null || !life) return;
+    const history = robot === null ? undefined : this.histories.get(robot);
+    if (robot === null || !history) return;
     const pose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
     this.model.motion.robot(robot, this.t_s, pose);
     const detail: Detail = {
@@ -151,7 +151,7 @@ export class RecordedSource implements Source, Player {
       pose,
       odometry: pose,
       lcd: null,
-      lcd_text: latest(life.lcd, this.t_s)?.lines ?? [],
+      lcd_text: latest(history.lcd, this.t_s)?.lines ?? [],
       camera: null,
       readings: [],
       sensors: [],
@@ -167,20 +167,20 @@ class RecordedMotion implements MotionSource {
   private readonly end: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
 
   constructor(
-    private readonly lives: ReadonlyMap<number, RobotHistory>,
+    private readonly histories: ReadonlyMap<number, RobotHistory>,
     private readonly tracks: ReadonlyMap<number, Track>,
   ) {}
 
   robot(id: number, t_s: number, out: Pose): boolean {
-    return this.on(this.lives.get(id)?.track, t_s, out);
+    return this.on(this.histories.get(id)?.track, t_s, out);
   }
 
   posture(id: number, t_s: number, out: Posture): boolean {
-    const postures = this.lives.get(id)?.postures;
+    const postures = this.histories.get(id)?.postures;
     if (!postures || postures.t_s.length === 0 || t_s < postures.t_s[0]!) return false;
     const i = before(postures.t_s, t_s);
     const [from_s, to_s] = [postures.t_s[i]!, postures.t_s[i + 1] ?? Infinity];
-    // After a longer pause the robot has stood still until shortly before the next posture.
+    // After a longer pause the robot stands still until shortly before the next posture.
     const fraction = Math.max(0, 1 - (to_s - t_s) / Math.min(to_s - from_s, STEP_S));
     blend(posture(postures, i), posture(postures, to_s < Infinity ? i + 1 : i), fraction, out);
     return true;

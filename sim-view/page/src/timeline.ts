@@ -1,10 +1,10 @@
-// The timeline below the 3D view: marks of past events and, for a recording, the time that is played.
+// The timeline below the 3D view: marks of past events and, for a recording, the playback time.
 
 import { element } from "./dom";
 import type { Model } from "./model";
 import type { Event } from "./protocol";
 
-/** Kinds of events that are marked, each with its colour; later ones, which are rarer, are taller and drawn on top. */
+/** Kinds of events that are marked, each with its colour. Later entries are rarer, and their marks are taller and drawn on top. */
 const MARKS: readonly { kinds: readonly string[]; name: string; colour: string }[] = [
   { kinds: ["radio_arrived", "radio_sent"], name: "radio", colour: "--radio" },
   { kinds: ["radio_lost"], name: "message lost", colour: "--warn" },
@@ -41,14 +41,14 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
   model.subscribe("player", show);
   model.subscribe("scene", () => {
     seen.clear();
-    soon();
+    scheduleDraw();
   });
-  model.subscribe("events", soon);
-  model.subscribe("snapshot", soon);
-  new ResizeObserver(soon).observe(marks);
+  model.subscribe("events", scheduleDraw);
+  model.subscribe("snapshot", scheduleDraw);
+  new ResizeObserver(scheduleDraw).observe(marks);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     drawnKey = "";
-    soon();
+    scheduleDraw();
   });
   return section;
 
@@ -67,11 +67,11 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
       range.value = String(t_s);
       range.setAttribute("aria-valuetext", `${t_s.toFixed(2)} of ${player.duration_s.toFixed(2)} seconds`);
     }
-    soon();
+    scheduleDraw();
   }
 
   /** Requests a redraw, at most four times a second. */
-  function soon(): void {
+  function scheduleDraw(): void {
     const end_s = model.player?.duration_s;
     const t_s = model.snapshot?.t_s ?? 0;
     time.textContent = end_s === undefined ? `${t_s.toFixed(2)} s` : `${t_s.toFixed(2)} / ${end_s.toFixed(2)} s`;

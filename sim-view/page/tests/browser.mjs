@@ -1,4 +1,4 @@
-// What browser tests share: Chromium, pages with what they hear from the server, and `eyesim` itself.
+// Shared by the browser tests: Chromium, pages with the messages that they receive, and `eyesim` itself.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -6,7 +6,7 @@ import { once } from "node:events";
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
-const PATIENCE_MS = 40_000;
+const TIMEOUT_MS = 40_000;
 const FLAGS = [
   "--no-sandbox",
   "--disable-background-networking",
@@ -14,14 +14,14 @@ const FLAGS = [
   "--disable-sync",
   "--no-first-run",
 ];
-/** The 3D view in software, which is slow to start and to draw, or none. */
+/** Flags for a 3D view in software, which starts and draws slowly, and for none. */
 const GRAPHICS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const NO_GRAPHICS = ["--disable-gpu", "--disable-3d-apis"];
 
 /** Debian's Chromium, or the one that `CHROMIUM` names. */
 export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
-/** Why browser tests cannot run here; false when they can. */
+/** Reason why browser tests cannot run here; false if they can. */
 export const skip = existsSync(CHROMIUM) ? false : `there is no ${CHROMIUM}: apt install chromium, or set CHROMIUM`;
 
 /** A browser, with or without a 3D view; the caller closes it. */
@@ -29,8 +29,8 @@ export function launch(graphics = false) {
   return chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...(graphics ? GRAPHICS : NO_GRAPHICS)] });
 }
 
-/** What a page has heard from the server, and waits for: not what it shows, but what the simulation says. */
-export class Heard {
+/** The messages that a page has received: they show the state of the simulation, not what the page shows. */
+export class Received {
   scene;
   snapshot;
   events = [];
@@ -43,22 +43,22 @@ export class Heard {
 
   constructor(page) {
     page.on("pageerror", (error) => this.errors.push(error));
-    page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => this.#hear(JSON.parse(String(payload)))));
+    page.on("websocket", (socket) => socket.on("framereceived", ({ payload }) => this.#receive(JSON.parse(String(payload)))));
   }
 
-  /** Waits until `is` holds of what was heard; its value. */
+  /** Waits until `is` returns a true value for the received messages; returns that value. */
   async until(what, is) {
-    const deadline = Date.now() + PATIENCE_MS;
+    const deadline = Date.now() + TIMEOUT_MS;
     for (;;) {
       const value = is(this);
       if (value) return value;
       let wake;
-      const heard = new Promise((done) => this.#waiting.add((wake = done)));
+      const received = new Promise((done) => this.#waiting.add((wake = done)));
       const timer = setTimeout(wake, deadline - Date.now());
-      await heard;
+      await received;
       clearTimeout(timer);
       this.#waiting.delete(wake);
-      assert(Date.now() < deadline, `never heard: ${what}; ${this}`);
+      assert(Date.now() < deadline, `never received: ${what}; ${this}`);
     }
   }
 
@@ -70,7 +70,7 @@ export class Heard {
     return this.details.get(robot)?.readings.find((reading) => reading.name === name);
   }
 
-  /** Where a robot is. */
+  /** Pose of a robot. */
   pose(id) {
     return this.robot(id)?.motion[0]?.from;
   }
@@ -82,7 +82,7 @@ export class Heard {
     return JSON.stringify({ t_s, state, speed, robots, last, refused });
   }
 
-  #hear(message) {
+  #receive(message) {
     switch (message.type) {
       case "welcome":
         this.welcomes.push(message);
@@ -111,22 +111,22 @@ export class Heard {
   }
 }
 
-/** A page of its own, with what it hears. */
+/** Opens a page with its own browser context; returns it with its received messages. */
 export async function open(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1000, height: 700 }, ...options });
-  context.setDefaultTimeout(PATIENCE_MS);
+  context.setDefaultTimeout(TIMEOUT_MS);
   const page = await context.newPage();
-  const heard = new Heard(page);
+  const received = new Received(page);
   await page.goto(url);
-  return { page, heard, control: (testid) => page.getByTestId(testid), close: () => context.close() };
+  return { page, received, control: (testid) => page.getByTestId(testid), close: () => context.close() };
 }
 
-/** Opens sections that are folded. */
+/** Opens closed sections. */
 export async function unfold(page, ...testids) {
   for (const testid of testids) await page.getByTestId(testid).evaluate((section) => (section.open = true));
 }
 
-/** A running `eyesim`; the binary is that of the variable `EYESIM`. */
+/** A running `eyesim`; the environment variable `EYESIM` names the binary. */
 export class Eyesim {
   static #running = new Set();
   output = "";
@@ -137,15 +137,15 @@ export class Eyesim {
     eyesim.child = spawn(process.env.EYESIM, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
     eyesim.ended = once(eyesim.child, "exit");
     const address = new Promise((done, fail) => {
-      const hear = (data) => {
+      const read = (data) => {
         eyesim.output += data;
-        // For a class: the teacher's address, which comes second.
+        // With `--listen`, the teacher's address is printed second.
         const before = args.includes("--listen") ? "teacher: +" : "";
         const found = eyesim.output.match(new RegExp(`${before}(https?://[\\w.:[\\]-]+/(#token=\\S+)?)`));
         if (found) done(found[1]);
       };
-      eyesim.child.stdout.on("data", hear);
-      eyesim.child.stderr.on("data", hear);
+      eyesim.child.stdout.on("data", read);
+      eyesim.child.stderr.on("data", read);
       eyesim.ended.then(([code]) => fail(new Error(`eyesim ended with ${code}:\n${eyesim.output}`)));
     });
     eyesim.url = await address;
@@ -156,12 +156,12 @@ export class Eyesim {
     return new URL(this.url).port;
   }
 
-  /** Ends those that tests which have failed have left. */
+  /** Ends the processes that failed tests have left running. */
   static stopAll() {
     for (const { child } of Eyesim.#running) child.kill("SIGKILL");
   }
 
-  /** Ends it, as Ctrl+C does. */
+  /** Ends the process, as Ctrl+C does. */
   async stop() {
     if (this.child.exitCode === null && this.child.signalCode === null) this.child.kill("SIGINT");
     await this.ended;

@@ -1,5 +1,5 @@
-// A crowd without a simulator: as many robots as wanted, driving on circles among walls, with beams and messages. Shows the 3D view
-// by hand and in `scripts/frames.mjs`: `node tests/crowd.mjs [ROBOTS] [PORT]`.
+// A crowd without a simulator: any number of robots that drive on circles among walls, with beams and messages. Used by
+// `scripts/frames.mjs`, or started by hand: `node tests/crowd.mjs [ROBOTS] [PORT]`.
 
 import { fileURLToPath } from "node:url";
 import { Mock, scene as mockScene } from "./mock.mjs";
@@ -7,7 +7,7 @@ import { Mock, scene as mockScene } from "./mock.mjs";
 const SLOT_S = 0.05;
 const BEAMS = 6;
 
-/** A crowd in a hall: `start()` lets it drive in real time. */
+/** A crowd in a hall; `start()` lets it drive in real time. */
 export async function crowd(count, port = 0) {
   const mock = await Mock.open(port);
   const size_m = Math.max(2, 0.6 * Math.sqrt(count));
@@ -113,7 +113,7 @@ function fate(number, t_s, count) {
   return { number, t_s, robot, kind, text: `message ${number} of ${from}`, fields };
 }
 
-/** A round hull with a wedge ahead, of about as many triangles as the simulator's own. */
+/** A round hull with a wedge at the front, with about as many triangles as the simulator's own robots. */
 function robotMesh() {
   const sides = 96;
   const [body, wedge] = [[], []];

@@ -1,4 +1,4 @@
-// What the 3D view draws, with a server that plays a crowd: no simulator is needed.
+// Contents of the 3D view, with a server that simulates a crowd; no simulator is needed.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -13,7 +13,7 @@ if (!skip) {
     mock = await crowd(COUNT);
     browser = await launch(true);
     page = await browser.newPage({ viewport: { width: 480, height: 320 } });
-    // What is handed to WebGL counts here: drawing it would cost seconds without a graphics card.
+    // The tests count the calls of WebGL; the drawing itself would take seconds without a graphics card.
     await page.addInitScript(() => {
       const { prototype } = WebGL2RenderingContext;
       for (const name of ["clear", "drawArrays", "drawArraysInstanced", "drawElements", "drawElementsInstanced"]) prototype[name] = () => {};
@@ -27,14 +27,14 @@ if (!skip) {
   });
 }
 
-/** The next frame that is drawn after something was done. */
+/** Calls `what` and returns the counts of the next frame drawn after it. */
 const drawn = async (what) => {
   const frames = await page.evaluate(() => globalThis.eyesim.view.times.frames);
   await what();
   await page.waitForFunction((frames) => globalThis.eyesim.view.times.frames > frames, frames);
   return page.evaluate(() => ({ ...globalThis.eyesim.view.drawn }));
 };
-/** Switches a layer; what is drawn then. */
+/** Switches a layer; returns the counts of the next frame. */
 const toggle = (layer) => drawn(() => page.getByTestId(`layer-${layer}`).evaluate((box) => box.click()));
 const at = (t_s, turn = 0) => ({
   type: "snapshot",
@@ -56,7 +56,7 @@ const at = (t_s, turn = 0) => ({
   beams: [{ robot: 1, sensor: 0, from_m: [0.2, 1, 0.05], to_m: [0.2, 1.3, 0.05], is_hit: true }],
 });
 
-test("each layer is drawn, and is not when it is switched off", { skip }, async () => {
+test("each layer is drawn unless it is switched off", { skip }, async () => {
   await drawn(async () => mock.send(at(0.05)));
   const { run } = mock.scene;
   mock.send({ type: "detail", ...detail(run) });
@@ -74,7 +74,7 @@ test("each layer is drawn, and is not when it is switched off", { skip }, async 
 test("the layers of the chosen robot's program are drawn, each once", { skip }, async () => {
   const { run } = mock.scene;
   let t_s = 0;
-  /** Sends a layer; what is drawn once the page has it. */
+  /** Sends a layer; returns the counts once the page has drawn it. */
   const show = async (name, content, robot = 1) => {
     const frame = { x_m: 0.2, y_m: 0.1, phi_rad: 0.3 };
     mock.send({ type: "layer", run, robot, name, t_s: ++t_s, frame, content });
@@ -82,7 +82,7 @@ test("the layers of the chosen robot's program are drawn, each once", { skip }, 
     await page.waitForFunction(has, [robot, name, t_s]);
     return settled();
   };
-  /** What is drawn when nothing changes any more. */
+  /** Returns the counts once no frame changes any more. */
   const settled = async () => {
     for (let frame = 0; frame < 3; frame++) await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
     return page.evaluate(() => ({ calls: globalThis.eyesim.view.drawn.calls, ...globalThis.eyesim.view.memory }));
@@ -90,14 +90,14 @@ test("the layers of the chosen robot's program are drawn, each once", { skip }, 
   const map = (...cells) => ({ kind: "grid", corner_m: [0, 0], cell_m: 0.5, columns: 2, rows: cells.length / 2, cells: Buffer.from(cells).toString("base64") });
   const positions = Buffer.from(Float32Array.of(0, 0, 0, 0.5, 0, 0.2, 1, 0.5, 0).buffer).toString("base64");
   await page.evaluate(() => globalThis.eyesim.model.choose(1));
-  // Nothing has moved: shadows are not drawn again.
+  // Nothing has moved, so shadows are not drawn again.
   for (let frame = 0; frame < 2; frame++) await drawn(async () => mock.send(at(0.05)));
   const none = await settled();
   assert.equal((await show("map", map(0, 100, 255, 50))).calls, none.calls + 1);
   assert.equal((await show("hits", { kind: "points", positions })).calls, none.calls + 2);
   const all = await show("way", { kind: "line", positions });
   assert.equal(all.calls, none.calls + 3);
-  // Other contents take their place and no more memory.
+  // Other contents replace the earlier ones and take no more memory.
   for (const cells of [[0, 0, 0, 0, 0, 0], [1, 2]]) assert.deepEqual(await show("map", map(...cells)), all);
   assert.equal((await show("hits", { kind: "points", positions: "" })).calls, none.calls + 2, "no points");
   assert.equal((await show("map", map(9, 9), 2)).calls, none.calls + 2, "of another robot");
@@ -110,21 +110,21 @@ test("the layers of the chosen robot's program are drawn, each once", { skip }, 
   await page.evaluate(() => globalThis.eyesim.model.choose(1));
 });
 
-test("a message that flies is drawn with its fate", { skip }, async () => {
+test("a message in flight is drawn with its outcome", { skip }, async () => {
   const fields = { from: 1, message: 1, arrived_s: 0.05, bit_errors: 0 };
   await drawn(async () => mock.send(at(0.05)));
-  // Nothing has moved: shadows are not drawn again.
+  // Nothing has moved, so shadows are not drawn again.
   const still = await drawn(async () => mock.send(at(0.05)));
   const event = (number, kind) => ({ number, t_s: 0.05, robot: 2, kind, text: "", fields });
   mock.send({ type: "events", events: [event(1, "radio_arrived"), event(2, "radio_lost")], missed: 0 });
-  // Its way and its head.
+  // The message's line and its head.
   await page.waitForFunction((calls) => globalThis.eyesim.view.drawn.calls === calls + 2, still.calls);
-  // The run is paused: both stay in sight.
+  // The run is paused, so both messages stay visible.
   await page.waitForTimeout(1500);
   assert.equal(await page.evaluate(() => globalThis.eyesim.view.drawn.calls), still.calls + 2);
 });
 
-test("the time that is shown goes on evenly between snapshots", { skip }, async () => {
+test("the displayed time advances smoothly between snapshots", { skip }, async () => {
   const timer = mock.start();
   await page.waitForFunction(() => globalThis.eyesim.model.snapshot.t_s > 1);
   const samples = await page.evaluate(async () => {
@@ -144,14 +144,14 @@ test("the time that is shown goes on evenly between snapshots", { skip }, async 
   assert(passed_s > 0, "it goes on");
 });
 
-test("runs that start anew take no more memory", { skip }, async () => {
+test("restarted runs take no more memory", { skip }, async () => {
   const memory = () => page.evaluate(() => ({ ...globalThis.eyesim.view.memory }));
   const restart = async (run) => {
     mock.scene.run = run;
     mock.send({ type: "scene", ...mock.scene });
     mock.send({ ...at(0.05), run });
     await page.waitForFunction((run) => globalThis.eyesim.model.snapshot?.run === run, run);
-    // The frame of the scene alone may come before that of the snapshot.
+    // The page may draw the scene before it has received the snapshot.
     for (let frame = 0; frame < 3; frame++) await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
   };
   await restart(2);

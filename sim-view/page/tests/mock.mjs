@@ -1,5 +1,6 @@
-// A server that speaks the protocol without a simulator behind it, for what is hard to provoke with the real one: serves
-// `dist/`, answers commands as `Mock.answers` says and sends what a test gives it. `node tests/mock.mjs [PORT]` serves by hand.
+// A server that implements the protocol without a simulator, for situations that are hard to provoke with the real
+// server. It serves `dist/`, answers commands by `Mock.answers`, and sends the messages of the test. Started by hand:
+// `node tests/mock.mjs [PORT]`.
 
 import { createHash } from "node:crypto";
 import { readFile } from "node:fs/promises";
@@ -7,13 +8,13 @@ import { createServer } from "node:http";
 import { fileURLToPath } from "node:url";
 
 const DIST = fileURLToPath(new URL("../dist/", import.meta.url));
-const PATIENCE_MS = 60_000;
+const TIMEOUT_MS = 60_000;
 const TYPES = { html: "text/html", js: "text/javascript", css: "text/css" };
 
 export class Mock {
-  /** What pages have said, in order. */
+  /** Messages of the pages, in order. */
   requests = [];
-  /** Called with each command; the text that it returns is why the command is refused. */
+  /** Called with each command; returns the reason if the command is refused, otherwise null. */
   answers = () => null;
   welcome = { type: "welcome", protocol: 1, version: "0.1.0", title: "Mock", may_act: true };
   scene = scene();
@@ -34,21 +35,21 @@ export class Mock {
     for (const socket of this.#sockets) socket.write(frame(JSON.stringify(message)));
   }
 
-  /** The next request that fulfils `is`, past or to come. */
+  /** Waits for a request for which `is` returns true, and returns it; it may already have arrived. */
   async request(is) {
-    const deadline = Date.now() + PATIENCE_MS;
+    const deadline = Date.now() + TIMEOUT_MS;
     for (;;) {
       const found = this.requests.find(is);
       if (found) return found;
-      if (Date.now() > deadline) throw new Error(`never asked; asked was ${JSON.stringify(this.requests.slice(-5))}`);
+      if (Date.now() > deadline) throw new Error(`no such request; the last requests: ${JSON.stringify(this.requests.slice(-5))}`);
       await new Promise((done) => {
         this.#waiting.push(done);
-        setTimeout(done, PATIENCE_MS).unref();
+        setTimeout(done, TIMEOUT_MS).unref();
       });
     }
   }
 
-  /** Cuts all pages off. */
+  /** Disconnects all pages. */
   cut() {
     for (const socket of this.#sockets) socket.destroy();
   }
@@ -72,12 +73,12 @@ export class Mock {
       rest = Buffer.concat([rest, data]);
       for (let read; (read = unframe(rest)); rest = rest.subarray(read.length)) {
         if (read.opcode === 8) socket.end();
-        if (read.opcode === 1) this.#hear(JSON.parse(read.text));
+        if (read.opcode === 1) this.#receive(JSON.parse(read.text));
       }
     });
   }
 
-  #hear(request) {
+  #receive(request) {
     this.requests.push(request);
     for (const done of this.#waiting.splice(0)) done();
     if (request.type === "hello") {
@@ -101,7 +102,7 @@ async function serve(request, response) {
   }
 }
 
-/** A text frame of a server. */
+/** Encodes a text frame of a server. */
 function frame(text) {
   const payload = Buffer.from(text);
   const size = payload.length;
@@ -113,7 +114,7 @@ function frame(text) {
   return Buffer.concat([head, payload]);
 }
 
-/** The first frame of a client, which is masked; nothing before it is complete. */
+/** Decodes the first frame of a client, which is masked; undefined while the frame is incomplete. */
 function unframe(data) {
   if (data.length < 6) return undefined;
   const short = data[1] & 127;
@@ -210,7 +211,7 @@ export function detail(robot, t_s) {
   };
 }
 
-/** Events with the numbers from `from` on. */
+/** Returns `count` events with consecutive numbers from `from` on. */
 export function events(count, from = 1) {
   const kinds = ["contact", "radio_sent", "lcd_text", "key", "distance"];
   const event = (number) => ({

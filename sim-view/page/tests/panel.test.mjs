@@ -1,30 +1,30 @@
-// Panels, with a server that says what is hard to provoke with the real one.
+// Panels, with a server for situations that are hard to provoke with the real server.
 
 import assert from "node:assert/strict";
 import { after, before, beforeEach, afterEach, test } from "node:test";
 import { launch, open, skip, unfold } from "./browser.mjs";
 import { detail, events, Mock, snapshot } from "./mock.mjs";
 
-let browser, mock, page, control, heard, close;
+let browser, mock, page, control, received, close;
 
 if (!skip) {
   before(async () => (browser = await launch()));
   after(() => browser.close());
   beforeEach(async () => {
     mock = await Mock.open();
-    ({ page, control, heard, close } = await open(browser, mock.url));
-    await heard.until("a snapshot", ({ snapshot }) => snapshot);
+    ({ page, control, received, close } = await open(browser, mock.url));
+    await received.until("a snapshot", ({ snapshot }) => snapshot);
   });
   afterEach(async () => {
     await close();
     mock.close();
-    assert.deepEqual(heard.errors, []);
+    assert.deepEqual(received.errors, []);
   });
 }
 
 const texts = (locator) => locator.allTextContents();
 
-test("20,000 events are no problem", { skip }, async () => {
+test("the page handles 20,000 events", { skip }, async () => {
   for (let from = 1; from <= 20_000; from += 1000) mock.send({ type: "events", ...events(1000, from) });
   const last = page.locator("#events-20000");
   await last.waitFor();
@@ -51,7 +51,7 @@ test("an event jumps to its robot", { skip }, async () => {
   assert.equal(await control("robot-2").getAttribute("aria-selected"), "true");
 });
 
-test("what the compiler says stays until it is built", { skip }, async () => {
+test("the output of the compiler stays until the next successful build", { skip }, async () => {
   assert(await control("build").isHidden());
   mock.send({ type: "build", state: "failed", output: "drive.c:3: error: expected `;` <b>\n" });
   await control("build").waitFor();
@@ -62,7 +62,7 @@ test("what the compiler says stays until it is built", { skip }, async () => {
   await control("build").waitFor({ state: "hidden" });
 });
 
-test("a refusal is a notice with its reason", { skip }, async () => {
+test("a refusal is shown as a notice with its reason", { skip }, async () => {
   mock.answers = () => "the run is over";
   await control("step").click();
   await control("notice").waitFor();
@@ -113,7 +113,7 @@ test("curves are drawn, zoomed, and saved as SVG and CSV", { skip }, async () =>
   assert.equal((await download("plot-csv")).trim(), "t_s");
 });
 
-test("error models: by slider, by number, for all, and back", { skip }, async () => {
+test("noise models are set by slider, by number and for all robots, and are reset", { skip }, async () => {
   await unfold(page, "noise-panel");
   mock.send({ type: "detail", ...detail(1, 1) });
   await page.locator("[data-group=psd] > summary").click();
@@ -140,14 +140,14 @@ test("error models: by slider, by number, for all, and back", { skip }, async ()
   assert.equal((await asked(2)).command.action.parameter, "psd.sigma_mm");
 });
 
-test("a page of another version says so", { skip }, async () => {
+test("a page of another version shows the mismatch", { skip }, async () => {
   mock.welcome = { ...mock.welcome, protocol: 99, version: "9.9.9" };
   mock.cut();
   await control("banner").getByText("version").waitFor();
   assert.match(await control("banner-text").textContent(), /9\.9\.9/);
 });
 
-test("a page that may only watch says so and offers nothing", { skip }, async () => {
+test("a page that may only watch shows this and offers no controls", { skip }, async () => {
   mock.welcome = { ...mock.welcome, may_act: false };
   mock.cut();
   await control("banner").getByText("watching").waitFor();
@@ -157,7 +157,7 @@ test("a page that may only watch says so and offers nothing", { skip }, async ()
   }
 });
 
-test("the help lists the keys and gives the focus back", { skip }, async () => {
+test("the help lists the keys and returns the focus", { skip }, async () => {
   await control("robots").focus();
   await page.keyboard.press("?");
   await control("help").waitFor();
@@ -177,7 +177,7 @@ test("the page fits in 320 pixels, as at 400 % zoom", { skip }, async () => {
 });
 
 for (const colorScheme of ["light", "dark"]) {
-  test(`texts can be read and controls have names, ${colorScheme}`, { skip }, async () => {
+  test(`texts are legible and controls have names, ${colorScheme}`, { skip }, async () => {
     await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
     mock.send({ type: "detail", ...detail(1, 1) });
     mock.send({ type: "events", ...events(20) });
@@ -191,7 +191,10 @@ for (const colorScheme of ["light", "dark"]) {
   });
 }
 
-/** Texts with a contrast below 4.5 (but for the scale, which has the 3D view behind it), and controls without a name; runs in the page. */
+/**
+ * Returns the texts with a contrast below 4.5 (except the scale, which has the 3D view behind it) and the controls without a name. Runs
+ * in the page.
+ */
 function findFaults() {
   const context = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d", { willReadFrequently: true });
   const over = (colours) => {

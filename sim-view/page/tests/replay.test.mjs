@@ -1,4 +1,4 @@
-// Recorded runs, with a real `eyesim replay` and as one file from disk.
+// Recorded runs, with a real `eyesim replay` and as a single file from disk.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -26,8 +26,8 @@ if (!skip) {
   });
 }
 
-/** There is no server to ask: what is asserted is what the page shows of the trace. */
-async function check({ page, heard, control, close }) {
+/** Checks what the page shows of the trace, since a recording has no server to query. */
+async function check({ page, received, control, close }) {
   await control("robots").locator("[role=option]").first().waitFor();
   const isAt = (t_s) => page.waitForFunction((t_s) => Math.abs(globalThis.eyesim.model.snapshot?.t_s - t_s) < 0.06, t_s);
   const scrub = async (t_s) => {
@@ -61,7 +61,7 @@ async function check({ page, heard, control, close }) {
   await page.keyboard.press("Space");
   await page.keyboard.press(".");
   assert.equal(await page.evaluate(() => globalThis.eyesim.model.player.isPlaying), false);
-  assert.deepEqual(heard.errors, []);
+  assert.deepEqual(received.errors, []);
   await close();
 }
 
@@ -71,7 +71,7 @@ test("a recording plays, scrubs and jumps", { skip }, async () => {
   await eyesim.stop();
 });
 
-test("one file plays from disk, without a server", { skip }, async () => {
+test("a single file plays from disk, without a server", { skip }, async () => {
   run("replay", "T.jsonl", "--html", "run.html");
   const html = readFileSync(join(folder, "run.html"), "utf8");
   assert(!/(src|href)="(?!data:)[^#"]/.test(html.slice(0, 5000)), "nothing is loaded from elsewhere");

@@ -10,17 +10,17 @@ import { Eyesim, launch, open, skip, unfold } from "./browser.mjs";
 
 const folder = mkdtempSync(join(tmpdir(), "eyesim-scene-"));
 const [ROBOT, OTHER, CAN] = [1, 2, 1];
-let browser, page, heard, control;
+let browser, page, received, control;
 
 if (!skip) {
   before(async () => {
     cpSync(fileURLToPath(new URL("room", import.meta.url)), folder, { recursive: true });
     const eyesim = await Eyesim.start(["view", "room.scene.toml", "--no-open", "--port", "0", "--paused"], { cwd: folder });
     browser = await launch(true);
-    ({ page, heard, control } = await open(browser, eyesim.url, { viewport: { width: 800, height: 500 } }));
-    await heard.until("a snapshot", ({ snapshot }) => snapshot);
+    ({ page, received, control } = await open(browser, eyesim.url, { viewport: { width: 800, height: 500 } }));
+    await received.until("a snapshot", ({ snapshot }) => snapshot);
     await page.waitForFunction(() => globalThis.eyesim.view?.drawn.triangles > 0);
-    // On a busy machine the page may still be laid out: what is seen must stay where it is.
+    // On a busy machine the page may still be laid out: waits until positions in the view no longer change.
     await page.waitForFunction(() => {
       const { model, view } = globalThis.eyesim;
       const { x, y } = view.where(0, 0, 0);
@@ -33,13 +33,13 @@ if (!skip) {
     Eyesim.stopAll();
     await browser.close();
     rmSync(folder, { recursive: true });
-    assert.deepEqual(heard.errors, []);
+    assert.deepEqual(received.errors, []);
   });
 }
 
 const where = (...point) => page.evaluate((point) => globalThis.eyesim.view.where(...point), point);
 const middle = (body) => body.body.height_m / 2;
-const can = () => heard.snapshot.objects.find(({ id }) => id === CAN).pose;
+const can = () => received.snapshot.objects.find(({ id }) => id === CAN).pose;
 
 async function drag(from, to) {
   await page.mouse.move(from.x, from.y);
@@ -51,38 +51,38 @@ async function drag(from, to) {
 
 test("dragging moves a robot and an object", { skip }, async () => {
   await control("canvas").focus();
-  const z = middle(heard.scene.robots[0]);
-  const { x_m, y_m } = heard.pose(ROBOT);
+  const z = middle(received.scene.robots[0]);
+  const { x_m, y_m } = received.pose(ROBOT);
   await drag(await where(x_m, y_m, z), await where(0.9, 0.4, z));
-  await heard.until("the robot there", () => Math.hypot(heard.pose(ROBOT).x_m - 0.9, heard.pose(ROBOT).y_m - 0.4) < 0.02);
-  const high = middle(heard.scene.objects[0]);
+  await received.until("the robot there", () => Math.hypot(received.pose(ROBOT).x_m - 0.9, received.pose(ROBOT).y_m - 0.4) < 0.02);
+  const high = middle(received.scene.objects[0]);
   await drag(await where(can().x_m, can().y_m, high), await where(1.7, 0.3, high));
-  await heard.until("the can there", () => Math.hypot(can().x_m - 1.7, can().y_m - 0.3) < 0.02);
+  await received.until("the can there", () => Math.hypot(can().x_m - 1.7, can().y_m - 0.3) < 0.02);
 });
 
 test("dragging with Shift turns a robot", { skip }, async () => {
-  const { x_m, y_m, phi_rad } = heard.pose(ROBOT);
+  const { x_m, y_m, phi_rad } = received.pose(ROBOT);
   const from = await where(x_m + 0.02, y_m, 0);
   const to = await where(x_m, y_m + 0.3, 0);
   await page.keyboard.down("Shift");
   await drag(from, to);
   await page.keyboard.up("Shift");
-  await heard.until("it is turned", () => Math.abs(heard.pose(ROBOT).phi_rad - phi_rad) > 0.5);
-  assert(Math.hypot(heard.pose(ROBOT).x_m - x_m, heard.pose(ROBOT).y_m - y_m) < 1e-6, "in its place");
+  await received.until("it is turned", () => Math.abs(received.pose(ROBOT).phi_rad - phi_rad) > 0.5);
+  assert(Math.hypot(received.pose(ROBOT).x_m - x_m, received.pose(ROBOT).y_m - y_m) < 1e-6, "in its place");
 });
 
-test("a click chooses, arrow keys move", { skip }, async () => {
-  const { x_m, y_m } = heard.pose(OTHER);
-  const at = await where(x_m, y_m, middle(heard.scene.robots[1]));
+test("a click chooses a body, arrow keys move it", { skip }, async () => {
+  const { x_m, y_m } = received.pose(OTHER);
+  const at = await where(x_m, y_m, middle(received.scene.robots[1]));
   await page.mouse.click(at.x, at.y);
-  await heard.until("details of the other", ({ details }) => details.has(OTHER));
+  await received.until("details of the other", ({ details }) => details.has(OTHER));
   assert.equal(await control(`robot-${OTHER}`).getAttribute("aria-selected"), "true");
   await page.keyboard.press("Shift+ArrowRight");
   await page.keyboard.press("Shift+ArrowRight");
-  await heard.until("it has moved", () => Math.hypot(heard.pose(OTHER).x_m - x_m, heard.pose(OTHER).y_m - y_m) > 0.015);
+  await received.until("it has moved", () => Math.hypot(received.pose(OTHER).x_m - x_m, received.pose(OTHER).y_m - y_m) > 0.015);
 });
 
-test("a picture of it is saved", { skip }, async () => {
+test("a picture of the view is saved", { skip }, async () => {
   await unfold(page, "save-panel");
   const [file] = await Promise.all([page.waitForEvent("download"), control("save-picture").click()]);
   const picture = readFileSync(await file.path());

@@ -15,11 +15,11 @@ const MIN_NODE_VERSION: u32 = 18;
 /// Files of the page: path and content of each.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
 
-/// Returns the page built in `folder`. If its sources have changed since the last build, calls `say` and builds it
+/// Returns the page built in `folder`. If its sources have changed since the last build, calls `report` and builds it
 /// first. Only one process at a time reads or builds.
 ///
-/// If the build fails, calls `say` and uses an older page if one exists.
-pub(crate) fn built(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<Files, String> {
+/// If the build fails, calls `report` and uses an older page if one exists.
+pub(crate) fn built(folder: &Path, report: &mut dyn FnMut(&str)) -> Result<Files, String> {
     let io = |error: io::Error| format!("cannot build the page in `{}`: {error}", folder.display());
     let lock = File::create(folder.join(".lock")).map_err(io)?;
     lock.lock().map_err(io)?;
@@ -29,21 +29,21 @@ pub(crate) fn built(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<Files, S
     if fs::read_to_string(&stamp).is_ok_and(|stamp| stamp == sources) {
         return files_in(&dist).map_err(io);
     }
-    match build(folder, say) {
+    match build(folder, report) {
         Ok(()) => fs::write(&stamp, &sources).map_err(io)?,
-        Err(why) if dist.join("index.html").is_file() => say(&format!("{why}\nThe page is an older one.")),
+        Err(why) if dist.join("index.html").is_file() => report(&format!("{why}\nThe page is an older one.")),
         Err(why) => return Err(why),
     }
     files_in(&dist).map_err(io)
 }
 
-fn build(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<(), String> {
+fn build(folder: &Path, report: &mut dyn FnMut(&str)) -> Result<(), String> {
     check_node()?;
     if !is_installed(folder) {
-        say("fetching what the page is made of (npm ci): once, some seconds");
+        report("installing the packages of the page (npm ci): once, some seconds");
         npm(folder, &["ci", "--no-audit", "--no-fund", "--prefer-offline", "--fetch-retries=1"])?;
     }
-    say("building the page (npm run build): some seconds, only when it has changed");
+    report("building the page (npm run build): some seconds, only when it has changed");
     npm(folder, &["run", "build"])
 }
 

@@ -30,7 +30,7 @@ pub use state::{
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol: a page of another version is told to reload.
+/// Version of the protocol: the server requests a page of another version to reload.
 pub const PROTOCOL: u32 = 1;
 
 /// Message from the server to a page.

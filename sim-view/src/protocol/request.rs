@@ -16,7 +16,7 @@ pub enum Request {
         /// The teacher's token, if the page has one.
         token: Option<String>,
     },
-    /// Selects the robot of which the page gets details.
+    /// Selects the robot whose details the page gets.
     Look {
         /// Number of the robot; none for no robot.
         robot: Option<u32>,

@@ -1,6 +1,6 @@
 //! State shown to all pages, and the queue of their commands.
 //!
-//! The simulation never waits for a page: for each kind of message only the latest one is kept, and events are kept in
+//! The simulation never waits for a page: for each kind of message only the latest is kept, and events are kept in
 //! a ring buffer. Texts are serialised when the first page needs them, on the server's thread, and shared.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -187,7 +187,7 @@ impl Hub {
         self.changed.send_replace(());
     }
 
-    pub(super) fn tell(&self, events: Vec<Event>) {
+    pub(super) fn add_events(&self, events: Vec<Event>) {
         let mut state = lock(&self.state);
         for event in events {
             if state.events.len() == MAX_EVENTS {
@@ -264,12 +264,12 @@ pub struct PendingCommand {
 }
 
 impl PendingCommand {
-    /// Tells the page that its command has been carried out.
+    /// Reports to the page that its command has been carried out.
     pub fn accept(mut self) {
         self.answer(None);
     }
 
-    /// Tells the page why its command has not been carried out.
+    /// Reports to the page why its command has not been carried out.
     pub fn refuse(mut self, why: impl Into<String>) {
         self.answer(Some(why.into()));
     }

@@ -299,7 +299,8 @@ async fn open_socket(
         })
 }
 
-/// Reason for refusing a page if `open` pages are open, this one included, `address_sockets` of them from its address.
+/// Reason for refusing a page if `open` pages are open, including this page, and `address_sockets` of them are from its
+/// address.
 fn why_full(open: usize, address_sockets: usize, is_own_machine: bool) -> Option<String> {
     match () {
         () if open > MAX_PAGES => Some(format!("{MAX_PAGES} pages are open already")),
@@ -314,7 +315,7 @@ fn why_full(open: usize, address_sockets: usize, is_own_machine: bool) -> Option
 struct SocketGuard {
     server: Arc<Server>,
     address: IpAddr,
-    /// Number of open sockets of the address, this one included.
+    /// Number of open sockets of the address, including this socket.
     address_sockets: usize,
 }
 

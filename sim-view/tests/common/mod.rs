@@ -16,7 +16,7 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Timeout longer than anything takes here; only a failing test waits for it.
-pub const PATIENCE: Duration = Duration::from_secs(40);
+pub const TIMEOUT: Duration = Duration::from_secs(40);
 
 pub fn options(address: &str, access: Access) -> Options {
     Options { address: address.parse().unwrap(), access, title: "a scene".into(), version: "1.2.3".into() }
@@ -96,8 +96,8 @@ impl Client {
         let mut request = format!("ws://{host}/ws").into_client_request().unwrap();
         request.headers_mut().insert("Origin", format!("http://{host}").parse().unwrap());
         let stream = TcpStream::connect(window.address()).map_err(|error| error.to_string())?;
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        stream.set_write_timeout(Some(PATIENCE)).unwrap();
+        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
+        stream.set_write_timeout(Some(TIMEOUT)).unwrap();
         let config = WebSocketConfig::default().max_message_size(None).max_frame_size(None);
         match tungstenite::client::client_with_config(request, stream, Some(config)) {
             Ok((socket, _)) => Ok(Client { socket }),
@@ -105,20 +105,20 @@ impl Client {
         }
     }
 
-    /// Opens a socket and says hello; returns the welcome as well.
+    /// Opens a socket and sends the hello; returns the welcome as well.
     pub fn hello(window: &Window, token: Option<&str>) -> (Client, Value) {
         let mut client = Client::connect(window);
-        client.say(&json!({ "type": "hello", "protocol": PROTOCOL, "token": token }));
-        let welcome = client.hear();
+        client.send_json(&json!({ "type": "hello", "protocol": PROTOCOL, "token": token }));
+        let welcome = client.receive();
         assert_eq!(welcome["type"], "welcome", "{welcome}");
         (client, welcome)
     }
 
-    pub fn say(&mut self, message: &Value) {
-        self.say_text(&message.to_string());
+    pub fn send_json(&mut self, message: &Value) {
+        self.send_text(&message.to_string());
     }
 
-    pub fn say_text(&mut self, text: &str) {
+    pub fn send_text(&mut self, text: &str) {
         self.send(Message::text(text)).unwrap();
     }
 
@@ -127,39 +127,39 @@ impl Client {
     }
 
     pub fn look(&mut self, robot: Option<u32>, calls: bool) {
-        self.say(&json!({ "type": "look", "robot": robot, "camera": false, "calls": calls }));
+        self.send_json(&json!({ "type": "look", "robot": robot, "camera": false, "calls": calls }));
     }
 
     pub fn act(&mut self, number: u32) {
-        self.say(&json!({ "type": "act", "number": number, "command": { "command": "step" } }));
+        self.send_json(&json!({ "type": "act", "number": number, "command": { "command": "step" } }));
     }
 
-    /// The next message.
-    pub fn hear(&mut self) -> Value {
+    /// Receives the next message.
+    pub fn receive(&mut self) -> Value {
         match self.next() {
             Ok(message) => message,
             Err(end) => panic!("closed: {end:?}"),
         }
     }
 
-    /// The next message of this type; others are skipped.
-    pub fn hear_type(&mut self, kind: &str) -> Value {
+    /// Receives the next message of this type; others are skipped.
+    pub fn receive_type(&mut self, kind: &str) -> Value {
         loop {
-            let message = self.hear();
+            let message = self.receive();
             if message["type"] == kind {
                 return message;
             }
         }
     }
 
-    /// The number and the refusal of the next answer.
-    pub fn hear_answer(&mut self) -> (u64, Option<String>) {
-        let answer = self.hear_type("answer");
+    /// Receives the next answer; returns its number and refusal.
+    pub fn receive_answer(&mut self) -> (u64, Option<String>) {
+        let answer = self.receive_type("answer");
         (answer["number"].as_u64().unwrap(), answer["refused"].as_str().map(String::from))
     }
 
-    /// Code and reason of the server's close frame; none if it only ends the connection.
-    pub fn hear_close(&mut self) -> Option<(u16, String)> {
+    /// Receives the server's close frame; returns its code and reason. None if the server only ends the connection.
+    pub fn receive_close(&mut self) -> Option<(u16, String)> {
         loop {
             if let Err(end) = self.next() {
                 return end;
@@ -184,13 +184,13 @@ impl Client {
     }
 }
 
-/// Sends the text of a request and returns that of the answer.
+/// Sends the text of a request and returns the text of the answer.
 pub fn request(window: &Window, text: &str) -> String {
     let mut stream = TcpStream::connect(window.address()).unwrap();
-    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream.set_read_timeout(Some(TIMEOUT)).unwrap();
     stream.write_all(text.as_bytes()).unwrap();
     let mut answer = Vec::new();
-    // A connection that is reset has sent all it had to send.
+    // The server may reset the connection after it has sent the whole answer.
     let _ = stream.read_to_end(&mut answer);
     String::from_utf8_lossy(&answer).into_owned()
 }
@@ -205,7 +205,7 @@ pub fn get(window: &Window, path: &str, head: &[&str]) -> String {
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let begin = std::time::Instant::now();
     while !holds() {
-        assert!(begin.elapsed() < PATIENCE, "{what}: never");
+        assert!(begin.elapsed() < TIMEOUT, "{what}: never");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

@@ -12,23 +12,23 @@ use super::{item, pages};
 pub fn hover(document: &Document, offset: usize) -> Option<String> {
     let schema = Schema::of(document)?;
     let outline = Outline::of(&document.text);
-    let (forms, key) = match outline.cursor(offset) {
+    let (schemas, key) = match outline.cursor(offset) {
         CursorPosition::Header(_) => {
             let (path, key) = header_at(document, offset)?;
-            (schema.forms(&path), key)
+            (schema.table_schemas(&path), key)
         }
         CursorPosition::Key(table, before) => {
             let is_at_cursor =
                 |entry: &&super::toml_cursor::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
             let key = table.entries.iter().find(is_at_cursor)?.key.get(before.len())?.clone();
-            (schema.forms_of(table, &before, &document.text), key)
+            (schema.table_schemas_of(table, &before, &document.text), key)
         }
         CursorPosition::Value(table, entry) => {
             let (key, before) = entry.key.split_last()?;
-            (schema.forms_of(table, before, &document.text), key.clone())
+            (schema.table_schemas_of(table, before, &document.text), key.clone())
         }
     };
-    let property = forms.iter().find_map(|form| form["properties"].get(&key))?;
+    let property = schemas.iter().find_map(|schema| schema["properties"].get(&key))?;
     let mut text = format!("`{key}`: {}", schema.description(property));
     if let Some(kind) = schema.kind_name(property) {
         text.push_str(&format!("\n\n*{kind}*"));
@@ -45,12 +45,12 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
     let outline = Outline::of(&document.text);
     match outline.cursor(offset) {
         CursorPosition::Header(before) => {
-            let forms = schema.forms(&before);
-            let tables = properties(&forms).filter(|(_, property)| schema.is_table(property));
+            let schemas = schema.table_schemas(&before);
+            let tables = properties(&schemas).filter(|(_, property)| schema.is_table(property));
             tables.map(|(key, property)| item(key, CompletionItemKind::MODULE, schema.description(property))).collect()
         }
         CursorPosition::Key(table, before) => {
-            let forms = schema.forms_of(table, &before, &document.text);
+            let schemas = schema.table_schemas_of(table, &before, &document.text);
             let is_at_cursor = |bytes: &std::ops::Range<usize>| bytes.start <= offset && offset <= bytes.end;
             let is_taken = |key: &str| {
                 table
@@ -58,7 +58,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
                     .iter()
                     .any(|entry| entry.key.first().is_some_and(|first| first == key) && !is_at_cursor(&entry.key_bytes))
             };
-            let unused = properties(&forms).filter(|(key, _)| !before.is_empty() || !is_taken(key));
+            let unused = properties(&schemas).filter(|(key, _)| !before.is_empty() || !is_taken(key));
             let complete = |(key, property): (&String, &Json)| CompletionItem {
                 detail: schema.kind_name(property),
                 insert_text: Some(format!("{key} = ")),
@@ -68,13 +68,15 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
         }
         CursorPosition::Value(table, entry) => {
             let Some((key, before)) = entry.key.split_last() else { return Vec::new() };
-            let forms = schema.forms_of(table, before, &document.text);
-            let Some(property) = forms.iter().find_map(|form| form["properties"].get(key)) else { return Vec::new() };
+            let schemas = schema.table_schemas_of(table, before, &document.text);
+            let Some(property) = schemas.iter().find_map(|schema| schema["properties"].get(key)) else {
+                return Vec::new();
+            };
             let mut words = schema.words(property);
             if key == "kind" {
                 // Properties of all variants, not only of the written one.
                 let path = [&table.path[..], before].concat();
-                words = schema.forms(&path).iter().flat_map(|form| variant_of(form)).collect();
+                words = schema.table_schemas(&path).iter().flat_map(|schema| variant_of(schema)).collect();
             }
             let is_quoted = is_in_string(&document.text[..offset]);
             let quoted = |word: &str| if is_quoted { word.to_owned() } else { format!("\"{word}\"") };
@@ -117,19 +119,19 @@ fn is_in_string(text: &str) -> bool {
     !text.ends_with('\n') && line.matches('"').count() % 2 == 1
 }
 
-/// The properties of several forms, without duplicates.
-fn properties<'s>(forms: &[&'s Json]) -> impl Iterator<Item = (&'s String, &'s Json)> {
+/// The properties of several schemas, without duplicates.
+fn properties<'s>(schemas: &[&'s Json]) -> impl Iterator<Item = (&'s String, &'s Json)> {
     let mut pairs: Vec<(&String, &Json)> =
-        forms.iter().filter_map(|form| form["properties"].as_object()).flatten().collect();
+        schemas.iter().filter_map(|schema| schema["properties"].as_object()).flatten().collect();
     pairs.sort_by_key(|(key, _)| key.as_str());
     pairs.dedup_by_key(|(key, _)| key.as_str());
     pairs.into_iter()
 }
 
 /// The value of `kind` of a variant, and the variant's description.
-fn variant_of(form: &Json) -> Option<(&str, &str)> {
-    let kind = form["properties"]["kind"]["const"].as_str()?;
-    Some((kind, form["description"].as_str().unwrap_or_default()))
+fn variant_of(schema: &Json) -> Option<(&str, &str)> {
+    let kind = schema["properties"]["kind"]["const"].as_str()?;
+    Some((kind, schema["description"].as_str().unwrap_or_default()))
 }
 
 /// JSON schema of a kind of file.
@@ -150,40 +152,42 @@ impl Schema {
         serde_json::from_str(&text).ok().map(Self)
     }
 
-    /// Forms of the table at `path`, one for each variant.
-    fn forms(&self, path: &[String]) -> Vec<&Json> {
-        path.iter().fold(vec![&self.0], |forms, key| {
-            let children = forms.iter().filter_map(|form| form["properties"].get(key));
-            children.flat_map(|property| self.forms_below(property)).collect()
+    /// Schemas of the table at `path`, one for each variant.
+    fn table_schemas(&self, path: &[String]) -> Vec<&Json> {
+        path.iter().fold(vec![&self.0], |schemas, key| {
+            let children = schemas.iter().filter_map(|schema| schema["properties"].get(key));
+            children.flat_map(|property| self.table_schemas_below(property)).collect()
         })
     }
 
-    /// Forms of the table below `table` at the keys `before`: those of its `kind`, if it has one.
-    fn forms_of(&self, table: &Table, before: &[String], text: &str) -> Vec<&Json> {
-        let mut forms = self.forms(&[&table.path[..], before].concat());
+    /// Schemas of the table below `table` at the keys `before`: only those of its `kind`, if it has one.
+    fn table_schemas_of(&self, table: &Table, before: &[String], text: &str) -> Vec<&Json> {
+        let mut schemas = self.table_schemas(&[&table.path[..], before].concat());
         if let Some(kind) = Outline::text_of(table, "kind", text).filter(|_| before.is_empty())
-            && forms.iter().any(|form| variant_of(form).is_some_and(|(known, _)| known == kind))
+            && schemas.iter().any(|schema| variant_of(schema).is_some_and(|(known, _)| known == kind))
         {
-            forms.retain(|form| variant_of(form).is_none_or(|(known, _)| known == kind));
+            schemas.retain(|schema| variant_of(schema).is_none_or(|(known, _)| known == kind));
         }
-        forms
+        schemas
     }
 
-    /// All forms of tables that a value of this schema can be, or can contain in an array.
-    fn forms_below<'s>(&'s self, schema: &'s Json) -> Vec<&'s Json> {
-        let mut forms: Vec<&Json> = Vec::new();
+    /// Schemas of all tables that a value of this schema can be, or can contain in an array.
+    fn table_schemas_below<'s>(&'s self, schema: &'s Json) -> Vec<&'s Json> {
+        let mut schemas: Vec<&Json> = Vec::new();
         self.visit(schema, &mut |part| {
             if part["properties"].is_object() {
-                forms.push(part);
+                schemas.push(part);
             }
         });
-        forms
+        schemas
     }
 
     /// Returns true if a value can be a table, other than one that draws a value at random.
     fn is_table(&self, schema: &Json) -> bool {
-        let random_forms = self.forms_below(&self.0["$defs"]["DrawForm"]);
-        self.forms_below(schema).iter().any(|form| !random_forms.iter().any(|random| std::ptr::eq(*random, *form)))
+        let random_schemas = self.table_schemas_below(&self.0["$defs"]["DrawForm"]);
+        self.table_schemas_below(schema)
+            .iter()
+            .any(|schema| !random_schemas.iter().any(|random| std::ptr::eq(*random, *schema)))
     }
 
     /// Visits a schema's alternatives, following references and arrays.

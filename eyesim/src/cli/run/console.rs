@@ -218,8 +218,8 @@ impl FinishedRun {
     }
 }
 
-/// Writes a chart of each swarm metric over time beside the plot at `path`: beside `run.svg`, the chart of the check
-/// NAME is `run-NAME.svg`.
+/// Writes a chart of each swarm metric over time into the folder of the plot at `path`: for `run.svg`, the chart of the
+/// check NAME is `run-NAME.svg`.
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
         let (Some(series), CheckKind::Swarm { metric, .. }) = (&check.series, &spec.kind) else { continue };
@@ -283,7 +283,7 @@ fn counts(run: &Run) -> Counts {
         let robot = run.robot(id);
         if robot.ending.is_some() {
             counts.ended += 1;
-        } else if robot.tasks.are_waiting() {
+        } else if robot.tasks.are_all_waiting() {
             counts.waiting += 1;
         } else {
             counts.running += 1;

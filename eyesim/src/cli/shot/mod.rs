@@ -101,8 +101,8 @@ impl Subject {
     }
 }
 
-/// Runs the command: exit code 0, or 1 if a program failed; the picture is taken in both cases. A program that waits for a key
-/// has not failed.
+/// Runs the command. The exit code is 0, or 1 if a program failed; the picture is taken in both cases. A program that
+/// waits for a key has not failed.
 ///
 /// # Errors
 /// If files or arguments are wrong.

@@ -1,5 +1,5 @@
-//! Small pictures of failures for a terminal, drawn with Braille characters: walls, the paths of the robots and the place
-//! of the failure.
+//! Small pictures of failures for a terminal, drawn with Braille characters: walls, the paths of the robots and the
+//! location of the failure.
 
 use glam::DVec2;
 use sim_host::launch::Scene;

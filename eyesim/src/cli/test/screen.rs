@@ -352,7 +352,7 @@ fn grouped_failures(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     failures
 }
 
-/// Key by which failures are grouped: the verdicts of the checks and the outcomes of the programs.
+/// Key for grouping failures: the verdicts of the checks and the outcomes of the programs.
 fn verdicts_of(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
     let checks = row.checks.iter().map(|check| (check.passed, None));
     checks.chain(row.robots.iter().map(|robot| (robot.outcome.is_failure(), Some(robot.outcome))))

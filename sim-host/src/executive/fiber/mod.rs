@@ -1,5 +1,5 @@
-//! Executor with one fiber for each task of a robot; a worker, an OS thread, runs the fibers of many robots. A hand-over
-//! is a stack switch.
+//! Executor with one fiber for each task of a robot. A worker is an OS thread that runs the fibers of many robots. A
+//! hand-over is a stack switch.
 //!
 //! A robot stays on the worker on which it is first resumed, because compilers keep addresses of thread-locals, such as
 //! `errno`, across calls. A switch saves the program's state that is stored per thread: `errno` and the floating-point
@@ -34,8 +34,8 @@ use super::prefetch::prefetch;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::run::Member;
+use super::shared_loop::{Job, SharedLoop};
 use super::signal::{self, FiberExits, FlowBlock, Handlers};
-use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage, interrupt};
@@ -53,8 +53,8 @@ pub struct FiberExecutor {
     workers: OnceLock<Vec<Arc<Worker>>>,
     /// The workers' threads, until they are joined.
     threads: Mutex<Vec<RunningWorker>>,
-    /// The loop with which idle workers help.
-    team: Arc<Team>,
+    /// The parallel loop with which idle workers help.
+    shared_loop: Arc<SharedLoop>,
     stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
@@ -73,12 +73,12 @@ struct Worker {
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
     /// Length of the queue.
     queued: AtomicUsize,
-    /// Number of robots whose home this worker is.
+    /// Number of robots that are bound to this worker.
     residents: AtomicUsize,
     /// The worker waits in the kernel, which takes microseconds to wake a thread.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
-    team: Arc<Team>,
+    shared_loop: Arc<SharedLoop>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
     /// Context of the worker while a fiber runs, to which the fiber returns. Used only by the worker's thread.
@@ -99,7 +99,7 @@ struct RobotFibers {
     /// The robot; `None` for a spawned robot, which is not prefetched.
     member: Option<Arc<Member>>,
     /// The worker on which the robot's fibers run, set when the robot is first resumed.
-    home: OnceLock<Arc<Worker>>,
+    bound_worker: OnceLock<Arc<Worker>>,
     flows: Mutex<Flows>,
 }
 
@@ -142,7 +142,7 @@ enum Status {
     Broken,
 }
 
-/// State from which a suspended fiber continues.
+/// State that a suspended fiber continues from.
 struct Context {
     /// Stack pointer.
     sp: usize,
@@ -169,7 +169,7 @@ impl FiberExecutor {
             worker_count: workers,
             workers: OnceLock::new(),
             threads: Mutex::default(),
-            team: Arc::default(),
+            shared_loop: Arc::default(),
             stacks: Arc::default(),
             notifier: OnceLock::new(),
         }
@@ -188,7 +188,7 @@ impl FiberExecutor {
     fn running_fiber(&self, robot: RobotId) -> Option<Arc<Fiber>> {
         let fibers = self.robot(robot);
         let fiber = fibers.token_holder()?;
-        let running = fibers.home.get()?.running.load(Ordering::Relaxed);
+        let running = fibers.bound_worker.get()?.running.load(Ordering::Relaxed);
         ptr::eq(running, Arc::as_ptr(&fiber)).then_some(fiber)
     }
 
@@ -197,7 +197,7 @@ impl FiberExecutor {
         if self.workers.get().is_none() {
             let mut running = self.threads.lock();
             while running.len() < self.worker_count {
-                let worker = RunningWorker::start(running.len(), self.notifier(), &self.team)?;
+                let worker = RunningWorker::start(running.len(), self.notifier(), &self.shared_loop)?;
                 running.push(worker);
             }
             self.workers.get_or_init(|| running.iter().map(|running| Arc::clone(&running.worker)).collect());
@@ -207,7 +207,7 @@ impl FiberExecutor {
 }
 
 impl RunningWorker {
-    fn start(number: usize, notifier: &Arc<Notifier>, team: &Arc<Team>) -> io::Result<Self> {
+    fn start(number: usize, notifier: &Arc<Notifier>, shared_loop: &Arc<SharedLoop>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
             block: FlowBlock::of_thread(Arc::clone(notifier)),
             queue: Mutex::default(),
@@ -215,11 +215,11 @@ impl RunningWorker {
             residents: AtomicUsize::new(0),
             is_parked: AtomicBool::new(false),
             thread: OnceLock::new(),
-            team: Arc::clone(team),
+            shared_loop: Arc::clone(shared_loop),
             running: AtomicPtr::default(),
             sp: UnsafeCell::new(0),
             is_ending: AtomicBool::new(false),
-            _handlers: Handlers::hold()?,
+            _handlers: Handlers::install()?,
         });
         let own_worker = Arc::clone(&worker);
         let (sender, receiver) = mpsc::sync_channel(1);
@@ -335,9 +335,9 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker must end, and helps with loops meanwhile. It spins for a
-    /// short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it waits
-    /// in the kernel.
+    /// Waits until a fiber is in the queue or the worker must end; the waiting worker helps with loops. It first spins
+    /// for a short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it
+    /// waits in the kernel.
     fn wait(&self) {
         /// Number of spins before a wait in the kernel, some tens of microseconds.
         const SPINS: usize = 1000;
@@ -347,11 +347,11 @@ impl Worker {
             if must_return() {
                 return;
             }
-            spins = if self.team.help(&mut seen) { 0 } else { spins + 1 };
+            spins = if self.shared_loop.help(&mut seen) { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !must_return() && !self.team.has_job(seen) {
+        if !must_return() && !self.shared_loop.has_job(seen) {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -416,8 +416,8 @@ impl RobotFibers {
         if let Some(next) = next {
             flows.token_holder = Some(Arc::clone(&next));
             drop(flows);
-            if let Some(home) = self.home.get() {
-                home.enqueue(self, next);
+            if let Some(bound_worker) = self.bound_worker.get() {
+                bound_worker.enqueue(self, next);
             }
         }
     }
@@ -615,13 +615,13 @@ impl Executor for FiberExecutor {
         let fibers = self.robot(robot);
         let Some(workers) = self.workers.get() else { return };
         let worker = fibers.variables.as_ref().map_or(worker, |variables| variables.worker());
-        let home = fibers.home.get_or_init(|| {
-            let home = Arc::clone(&workers[worker as usize]);
-            home.residents.fetch_add(1, Ordering::Relaxed);
-            home
+        let bound_worker = fibers.bound_worker.get_or_init(|| {
+            let bound_worker = Arc::clone(&workers[worker as usize]);
+            bound_worker.residents.fetch_add(1, Ordering::Relaxed);
+            bound_worker
         });
         if let Some(token_holder) = fibers.token_holder() {
-            home.enqueue(fibers, token_holder);
+            bound_worker.enqueue(fibers, token_holder);
         }
     }
 
@@ -647,7 +647,7 @@ impl Executor for FiberExecutor {
             let workers = self.workers.get().into_iter().flatten();
             workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());
         };
-        self.team.lead(job, wake_workers);
+        self.shared_loop.run(job, wake_workers);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {

@@ -199,7 +199,7 @@ impl Channels {
         Ok(Self { file })
     }
 
-    /// Path by which a process that does not inherit the file can open it; valid while this process lives.
+    /// Path at which a process that does not inherit the file can open it; valid while this process lives.
     pub fn path(&self) -> PathBuf {
         debugger::file_of(self.file.as_raw_fd())
     }

@@ -55,7 +55,7 @@ pub struct Child {
     is_debugged: bool,
     /// `main` has returned.
     has_exited: AtomicBool,
-    /// The break by which the child was lost.
+    /// The first break of the child, after which it is lost.
     lost: OnceLock<Broken>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
@@ -95,7 +95,7 @@ struct TaskChannels {
 }
 
 impl Child {
-    /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
+    /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
     /// A restricted process has a folder `scratch` and prints to a pipe; its output is truncated and shown without control characters.
     ///
@@ -304,7 +304,7 @@ impl Child {
         self.is_debugged
     }
 
-    /// Returns true once the process was found stopped, by SIGSTOP or another signal, from which it would never continue.
+    /// Returns true once the process was found stopped, by SIGSTOP or another signal: it would never continue.
     pub fn is_stopped(&self) -> bool {
         if !self.is_debugged && watchdog::is_stopped(self.pid) {
             self.was_stopped.store(true, Ordering::Release);

@@ -21,7 +21,7 @@ pub struct Debugger {
 
 impl Debugger {
     /// Returns true if gdb is installed.
-    pub fn is_there() -> bool {
+    pub fn is_installed() -> bool {
         let mut command = Command::new(GDB);
         command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command.status().is_ok_and(|status| status.success())
@@ -56,7 +56,7 @@ fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// Path by which another process can open descriptor `fd` of this process.
+/// Path at which another process can open descriptor `fd` of this process.
 pub fn file_of(fd: i32) -> PathBuf {
     PathBuf::from(format!("/proc/{}/fd/{fd}", std::process::id()))
 }

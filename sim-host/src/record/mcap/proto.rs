@@ -1,4 +1,4 @@
-//! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors with which a recording declares them.
+//! Messages of Foxglove in the wire format of Protocol Buffers, and their descriptors, which a recording contains.
 //!
 //! One table is the source of both. Messages are encoded from JSON values: an absent field is not written, and null is an
 //! infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are omitted.

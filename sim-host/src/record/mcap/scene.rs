@@ -30,7 +30,7 @@ pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
     format!("object/{object}")
 }
 
-/// Pose in space, in the form used by pages and recordings.
+/// Pose in space, in the format of pages and recordings.
 pub fn point(pose: &Pose3) -> Point {
     Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }

@@ -47,8 +47,8 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     }
 }
 
-/// Draws a key's text in the middle of its field: in the normal size, split into two lines if necessary;
-/// otherwise in the smallest size, in which text that does not fit is cut.
+/// Draws a key's text in the middle of its field. In the normal size, the text is split into two lines if necessary. If
+/// it does not fit, it is drawn in the smallest size and cut.
 fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };

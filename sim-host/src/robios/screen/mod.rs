@@ -126,8 +126,9 @@ impl Screen {
         self.content.page.canvas_mut().pixel(x, y).unwrap_or(canvas::BLACK)
     }
 
-    /// Visible text without trailing blanks: the lines of the list if one is shown, otherwise the rows from the top to
-    /// the last one with text; then one line of the menu texts, separated by ` | ` and empty without a menu.
+    /// Visible text without trailing blanks. These are the lines of the list if one is shown, otherwise the rows from
+    /// the top to the last one with text. One line of the menu texts follows, separated by ` | `; it is empty without a
+    /// menu.
     pub fn lines(&self) -> Vec<String> {
         let content = self.visible_content();
         let mut lines = match content.shown_list() {

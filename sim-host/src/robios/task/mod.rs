@@ -1,9 +1,9 @@
 //! Tasks of a robot: which task runs, which are ready, and what each of them waits for.
 //!
-//! One task runs at a time. The threads of a program take turns in order of their numbers, at the first call that ends
-//! at or after a tick of the global 10 ms grid, and whenever the running one has to wait; once RoBIOS 6 multi-tasking
-//! has started, its [`scheduler`] decides. All of this is a function of virtual time and of the tasks' calls; the
-//! executor implements the transfer of control from one task to another.
+//! One task runs at a time. The threads of a program take turns in order of their numbers: at the first call that ends
+//! at or after a tick of the global 10 ms grid, and whenever the running thread has to wait. Once RoBIOS 6
+//! multi-tasking has started, its [`scheduler`] decides instead. All of this is a function of virtual time and of the
+//! tasks' calls; the executor implements the transfer of control from one task to another.
 
 #[cfg(test)]
 mod oracle;
@@ -174,24 +174,25 @@ impl Tasks {
         self.list.len() == 1 && self.scheduler.is_none()
     }
 
-    /// Returns true if there are tasks other than the running one.
+    /// Returns true if there are tasks other than the running task.
     pub fn has_others(&self) -> bool {
         self.list.len() > 1
     }
 
     /// Returns true if every task waits.
-    pub fn are_waiting(&self) -> bool {
+    pub fn are_all_waiting(&self) -> bool {
         if self.scheduler.is_some() { self.is_idle } else { self.list.iter().all(|task| task.waiting.is_some()) }
     }
 
     /// Returns true if every task has waited since `time` or longer.
-    pub fn have_waited(&self, time: Time) -> bool {
-        self.are_waiting() && self.list.iter().all(|task| task.waiting.as_ref().is_some_and(|wait| wait.since <= time))
+    pub fn have_all_waited_since(&self, time: Time) -> bool {
+        self.are_all_waiting()
+            && self.list.iter().all(|task| task.waiting.as_ref().is_some_and(|wait| wait.since <= time))
     }
 
     /// Returns true if every task waits, one of them for `reason`.
-    pub fn are_waiting_one_for(&self, reason: &WaitReason) -> bool {
-        self.are_waiting() && self.list.iter().any(|task| task.waits_for(reason))
+    pub fn are_all_waiting_one_for(&self, reason: &WaitReason) -> bool {
+        self.are_all_waiting() && self.list.iter().any(|task| task.waits_for(reason))
     }
 
     /// Adds a ready task, the last in order, and returns its number; `None` if there are [`MAX_TASKS`].
@@ -246,8 +247,8 @@ impl Tasks {
         std::mem::take(&mut self.list[self.current].is_interrupted)
     }
 
-    /// Thread that continues when the running one has to wait: the next ready one in order, otherwise the one with the
-    /// earliest wake, with the running one preferred in a tie.
+    /// Thread that continues when the running thread has to wait: the next ready thread in order, otherwise the thread
+    /// with the earliest wake time. In a tie the running thread is preferred.
     pub fn next_thread(&self, now: Time) -> NextThread {
         let indices_from =
             |first: usize| (first..first + self.list.len()).map(|step| (self.current + step) % self.list.len());
@@ -259,14 +260,14 @@ impl Tasks {
         }
     }
 
-    /// Number of the next other task that is ready, in order.
+    /// Number of the next ready task after the running task, in order.
     pub fn next_ready(&self, now: Time) -> Option<u32> {
         let count = self.list.len();
         let mut others = (1..count).map(|step| &self.list[(self.current + step) % count]);
         others.find(|task| task.is_ready(now)).map(|task| task.number)
     }
 
-    /// Thread whose turn it is at the end of a call: another one that is ready, if the time slice is over.
+    /// Thread whose turn begins at the end of a call: the next ready thread, if the time slice is over.
     pub fn next_turn(&mut self, now: Time) -> Option<u32> {
         if !self.has_others() || now < self.slice_end {
             return None;
@@ -275,7 +276,7 @@ impl Tasks {
         self.next_ready(now)
     }
 
-    /// Makes task `number` the running one.
+    /// Makes task `number` the running task.
     pub fn switch_to(&mut self, number: u32, now: Time) {
         if let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) {
             self.current = index;
@@ -521,7 +522,7 @@ impl Tasks {
         }
     }
 
-    /// Task with this number, 0 for the running one; `None` if it has ended or never existed.
+    /// Task with this number, 0 for the running task; `None` if it has ended or never existed.
     pub fn find(&self, number: i32) -> Option<&Task> {
         match u32::try_from(number) {
             Ok(0) => Some(self.current()),
@@ -558,7 +559,8 @@ impl Tasks {
         self.list[self.current].waiting = Some(waiting);
     }
 
-    /// Kills a task: it runs before all others, to unwind; then the running task continues, if it is another one.
+    /// Kills a task. It runs before all other tasks, to unwind; then the running task continues, unless it is the
+    /// killed one.
     pub fn kill(&mut self, now: Time, number: u32) {
         self.advance_in_call(now);
         let current = self.current().number;
@@ -591,7 +593,7 @@ impl Tasks {
         self.current().kill_state != KillState::None
     }
 
-    /// Releases semaphore `number`: the first waiting task passes, or the count rises; returns false if there is no
+    /// Releases semaphore `number`: the first waiting task passes, or the count rises. Returns false if there is no
     /// such semaphore or its count is at its limit.
     pub fn release_semaphore(&mut self, number: u32) -> bool {
         let Some(first) = self.semaphores.release(number) else { return false };
@@ -630,9 +632,9 @@ impl Tasks {
 /// Thread of the program that continues next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextThread {
-    /// The running one.
+    /// The running thread.
     Same,
-    /// The one with this number.
+    /// The thread with this number.
     Other(u32),
 }
 

@@ -1,11 +1,12 @@
-//! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine driven only by
-//! virtual time.
+//! Scheduler of RoBIOS 6: a state machine, driven only by virtual time, that determines which of a robot's tasks has
+//! the processor.
 //!
 //! Priorities are strict; tasks of equal priority take turns (round robin), in order of readiness. A task that waits
-//! for the world (a busy wait) keeps its fraction of the processor; a task that sleeps, waits for another task or is
-//! suspended has none. Time slices end at the ticks of the global 10 ms grid. The transfer of control between tasks is
-//! not part of this model: turns of tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only
-//! tasks that have something to do.
+//! for the world (a busy wait) keeps its fraction of the processor. A task that sleeps, waits for another task or is
+//! suspended has none. Time slices end at the ticks of the global 10 ms grid.
+//!
+//! The transfer of control between tasks is not part of this model. It computes turns of tasks in busy waits in closed
+//! form, and [`Scheduler::next`] names only tasks that have something to do.
 
 use std::collections::VecDeque;
 
@@ -94,7 +95,7 @@ impl Scheduler {
         }
     }
 
-    /// Adds a suspended task; its number must be higher than all previous ones.
+    /// Adds a suspended task; its number must be higher than all previous numbers.
     pub fn add(&mut self, number: u32, priority: usize) {
         self.entries.push(Entry {
             number,
@@ -119,7 +120,7 @@ impl Scheduler {
         self.index(number).is_some_and(|index| self.entries[index].is_suspended)
     }
 
-    /// Ends a task's suspension: it becomes the last one of its priority, unless it is still blocked.
+    /// Ends a task's suspension: it becomes the last task of its priority, unless it is still blocked.
     pub fn make_ready(&mut self, number: u32) {
         self.change(number, |entry| entry.is_suspended = false);
     }
@@ -423,7 +424,7 @@ mod tests {
             scheduler.wait(task, Time::from_millis(1000 * wake_s));
             scheduler.advance(Time::from_millis(slice_end_ms));
         }
-        // Slices of 2 begin at 0, 30, 60 ms and so on: the one of 1e9 ms began at 999,999,990 ms and ends then.
+        // Slices of task 2 begin at 0, 30, 60 ms and so on: its slice of 1e9 ms began at 999,999,990 ms and ends then.
         assert_eq!(scheduler.next(), NextTask::NotBefore(Time::from_millis(1_000_000_020)));
         scheduler.advance(Time::from_millis(1_000_000_020));
         assert_eq!(scheduler.next(), NextTask::Run(2));

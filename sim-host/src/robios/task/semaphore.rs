@@ -75,8 +75,8 @@ impl Semaphores {
         outcome
     }
 
-    /// Releases a semaphore: `Some(Some(task))` for the longest waiting task, which passes; `Some(None)` if none waits
-    /// and the count rises; `None` if there is no such semaphore or its count is at its limit.
+    /// Releases a semaphore. Returns `Some(Some(task))` for the longest waiting task, which passes; `Some(None)` if no
+    /// task waits and the count rises; `None` if there is no such semaphore or its count is at its limit.
     pub fn release(&mut self, number: u32) -> Option<Option<u32>> {
         let semaphore = self.get_mut(number)?;
         let first = semaphore.waiting.pop_front();

@@ -16,8 +16,8 @@ export function callsPanel(model: Model): HTMLElement {
   let shown: Line[] = [];
   panel.addEventListener("toggle", () => model.look({ calls: panel.open }));
   model.look({ calls: panel.open });
-  const soon = whileOpen(panel, draw, 250);
-  for (const topic of ["events", "chosen"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw, 250);
+  for (const topic of ["events", "chosen"] as const) model.subscribe(topic, scheduleDraw);
   return panel;
 
   function draw(): void {

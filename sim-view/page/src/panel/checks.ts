@@ -7,7 +7,7 @@ import { section, setText, whileOpen } from "./control";
 
 const VERDICT: Record<CheckVerdict, string> = { open: "open", met: "met", failed: "failed" };
 const SVG = "http://www.w3.org/2000/svg";
-/** Most points of a curve; more are thinned. */
+/** Maximum number of points of a curve; more points are thinned. */
 const MAX_POINTS = 2000;
 
 interface Row {
@@ -23,7 +23,7 @@ export function checksPanel(model: Model): HTMLElement {
   const panel = section("Checks", "checks-panel", true, [list]);
   let rows: Row[] = [];
   let key = "";
-  const soon = whileOpen(panel, draw, 200);
+  const scheduleDraw = whileOpen(panel, draw, 200);
   model.subscribe("snapshot", () => {
     const checks = model.snapshot?.checks ?? [];
     panel.hidden = checks.length === 0;
@@ -34,7 +34,7 @@ export function checksPanel(model: Model): HTMLElement {
       list.replaceChildren(...rows.map((row) => row.element));
     }
     checks.forEach((check, index) => add(rows[index]!, check));
-    soon();
+    scheduleDraw();
   });
   return panel;
 

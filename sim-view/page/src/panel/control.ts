@@ -28,7 +28,7 @@ export function checkbox(text: string, testid: string, checked: boolean, change:
   return element("label", { className: "check" }, [box, text]);
 }
 
-/** A collapsible section, which remembers if it is open. */
+/** A collapsible section, which remembers whether it is open. */
 export function section(title: string, testid: string, open: boolean, children: (Node | string)[]): HTMLDetailsElement {
   const memory = `eyesim.open.${testid}`;
   const summary = element("summary", {}, [element("h2", { textContent: title })]);
@@ -40,9 +40,9 @@ export function section(title: string, testid: string, open: boolean, children: 
 
 /** Returns a function that schedules `draw` while the section is open; opening the section also schedules it. */
 export function whileOpen(panel: HTMLDetailsElement, draw: () => void, pause_ms = 100): () => void {
-  const soon = throttled(draw, pause_ms);
-  panel.addEventListener("toggle", () => panel.open && soon());
-  return () => panel.open && soon();
+  const scheduleDraw = throttled(draw, pause_ms);
+  panel.addEventListener("toggle", () => panel.open && scheduleDraw());
+  return () => panel.open && scheduleDraw();
 }
 
 /** Throttles `f`: calls it at once, then at most once per pause; calls during a pause run `f` once at its end. */
@@ -105,7 +105,7 @@ export function saveAs(name: string, content: Blob): void {
   setTimeout(() => URL.revokeObjectURL(href), 10_000);
 }
 
-/** Reads a stored value; storage may be forbidden, as in a page from disk. */
+/** Reads a stored value; the browser may forbid storage, such as for a page from disk. */
 export function recall(key: string, otherwise: string): string {
   try {
     return localStorage.getItem(key) ?? otherwise;
@@ -119,6 +119,6 @@ export function remember(key: string, value: string): void {
   try {
     localStorage.setItem(key, value);
   } catch {
-    // Without storage only convenience is lost.
+    // Without storage, the page only forgets the value.
   }
 }

@@ -48,8 +48,8 @@ export function editPanel(model: Model): HTMLElement {
     event.preventDefault();
     void addOne();
   };
-  const soon = whileOpen(panel, draw, 200);
-  for (const topic of ["scene", "snapshot", "selected"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw, 200);
+  for (const topic of ["scene", "snapshot", "selected"] as const) model.subscribe(topic, scheduleDraw);
   model.subscribe("selected", fillPlace);
   onRights(model, allow);
   return panel;

@@ -13,8 +13,8 @@ export function eventsPanel(model: Model): HTMLElement {
   const words = element("input", { type: "search", testid: "events-words", label: "Words in events", placeholder: "words", oninput: draw });
   const count = element("p", { className: "muted number", testid: "events-count" });
   const panel = section("Events", "events-panel", true, [element("div", { className: "row" }, [kind, robot, words]), list.element, count]);
-  const soon = whileOpen(panel, draw, 250);
-  for (const topic of ["events", "scene", "chosen"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw, 250);
+  for (const topic of ["events", "scene", "chosen"] as const) model.subscribe(topic, scheduleDraw);
   return panel;
 
   function draw(): void {

@@ -22,7 +22,7 @@ export function allShortcuts(): readonly Shortcut[] {
   return shortcuts;
 }
 
-/** Handles registered keys, except in text fields, and Space on focused controls that it activates. */
+/** Handles registered keys, except in text fields. Space on a focused control activates the control instead. */
 export function listen(): void {
   document.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;

@@ -7,7 +7,7 @@ const MARGIN_ROWS = 6;
 
 /** A line of a list. */
 export interface Line {
-  /** Its number, which identifies it. */
+  /** Number that identifies the line. */
   key: number;
   time: string;
   who: string;

@@ -32,8 +32,8 @@ export function noisePanel(model: Model): HTMLElement {
   /** Values when first seen, by run and robot. */
   const first = new Map<string, Map<string, number>>();
   let keyOfRows = "";
-  const soon = whileOpen(panel, draw);
-  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw);
+  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, scheduleDraw);
   onRights(model, allow);
   return panel;
 

@@ -1,4 +1,4 @@
-// Notices that need no answer: refusals of commands, and confirmations.
+// Notices that the user need not confirm: refusals of commands, and confirmations.
 
 import { element } from "../dom";
 import type { Model } from "../model";

@@ -2,12 +2,12 @@
 
 import { recall, remember } from "./control";
 
-const MEMORY = "eyesim.plotted";
+const STORAGE_KEY = "eyesim.plotted";
 /** Number of curve colours. */
 export const MAX_SELECTED = 8;
 
 export class PlotSelection {
-  private names: string[] = recall(MEMORY, "").split("\n").filter((name) => name !== "");
+  private names: string[] = recall(STORAGE_KEY, "").split("\n").filter((name) => name !== "");
   private readonly listeners: (() => void)[] = [];
 
   /** Picked readings in the order of picking. */
@@ -36,7 +36,7 @@ export class PlotSelection {
 
   private change(names: string[]): void {
     this.names = names;
-    remember(MEMORY, names.join("\n"));
+    remember(STORAGE_KEY, names.join("\n"));
     for (const f of this.listeners) f();
   }
 }

@@ -36,9 +36,9 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
   let isPaused = false;
   /** Zoomed range of time; undefined while the plot follows the run. */
   let zoomed: [number, number] | undefined;
-  const soon = throttled(() => panel.open && !isPaused && draw(), 150);
-  panel.addEventListener("toggle", soon);
-  for (const topic of ["history", "chosen", "scene"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = throttled(() => panel.open && !isPaused && draw(), 150);
+  panel.addEventListener("toggle", scheduleDraw);
+  for (const topic of ["history", "chosen", "scene"] as const) model.subscribe(topic, scheduleDraw);
   picks.subscribe(() => panel.open && draw());
   new ResizeObserver(() => plot?.setSize({ width: container.clientWidth, height: HEIGHT_PX })).observe(container);
   for (const query of ["(prefers-color-scheme: dark)", "(forced-colors: active)"])
@@ -154,12 +154,12 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
     draw();
   }
 
-  function save(form: "svg" | "csv"): void {
+  function save(format: "svg" | "csv"): void {
     const robot = model.scene?.robots.find(({ id }) => id === model.chosen);
     const title = `${model.scene?.title ?? ""}, ${robot?.name ?? ""}`;
-    const content = form === "svg" ? svgOf(title, shown, range(), PRINTED) : csvOf(shown, range());
-    const type = form === "svg" ? "image/svg+xml" : "text/csv";
-    saveAs(`${robot?.name ?? "robot"}-readings.${form}`, new Blob([content], { type }));
+    const content = format === "svg" ? svgOf(title, shown, range(), PRINTED) : csvOf(shown, range());
+    const type = format === "svg" ? "image/svg+xml" : "text/csv";
+    saveAs(`${robot?.name ?? "robot"}-readings.${format}`, new Blob([content], { type }));
   }
 }
 
@@ -174,7 +174,7 @@ function dataOf(series: readonly Series[], [from, to]: [number, number]): uPlot.
   return uPlot.join(tables);
 }
 
-/** A colour of the style sheet in a form that canvases accept. */
+/** A colour of the style sheet in a format that canvases accept. */
 function colourOf(variable: string, element: HTMLElement): string {
   element.style.color = `var(${variable})`;
   return getComputedStyle(element).color;

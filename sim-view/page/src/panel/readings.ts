@@ -21,9 +21,9 @@ export function readingsPanel(model: Model, picks: PlotSelection): HTMLElement {
   const table = element("table", { className: "readings" }, [element("thead", {}, [element("tr", {}, head)]), body]);
   const panel = section("Readings", "readings-panel", true, [none, table, clear]);
   const rows = new Map<string, Row>();
-  const soon = whileOpen(panel, draw);
-  model.subscribe("detail", soon);
-  model.subscribe("chosen", soon);
+  const scheduleDraw = whileOpen(panel, draw);
+  model.subscribe("detail", scheduleDraw);
+  model.subscribe("chosen", scheduleDraw);
   picks.subscribe(() => rows.forEach(({ box }, name) => (box.checked = picks.has(name))));
   return panel;
 

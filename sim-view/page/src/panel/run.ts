@@ -84,7 +84,7 @@ export function runPanel(model: Model): HTMLElement {
     void send(model, { command: "restart", seed });
   }
 
-  /** Enables the controls. Those that a recording lacks are hidden: its timeline has its own, and it cannot restart. */
+  /** Enables the controls. Controls that a recording lacks are hidden: it has a timeline instead, and cannot restart. */
   function allow(): void {
     for (const part of [toggle, speeds, restarts, typed, rate]) part.hidden = model.player !== null;
     const why = whyNot(model);

@@ -30,7 +30,7 @@ export function savePanel(model: Model): HTMLElement {
   }
 
   async function save(file: string): Promise<void> {
-    // A live run has no `recording.json`: pages distinguish it from a replay by that.
+    // A live run has no `recording.json`: its presence tells pages that they show a replay.
     const name = model.player ? file.replace("run.", "") : file;
     const embedded = name === "recording.json" ? document.getElementById("recording")?.textContent : undefined;
     if (embedded) return saveAs(fileName(".recording.json"), new Blob([embedded], { type: "application/json" }));

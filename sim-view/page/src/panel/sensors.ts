@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { section, setText, whileOpen } from "./control";
 import { act, onRights, whyNot } from "./notice";
 
-/** Time for which a switch keeps its new position until the reported state agrees, which may be after the answer. */
+/** Time for which a switch keeps its new position until the reported state agrees; this may take longer than the answer. */
 const HOLDS_MS = 1000;
 
 export function sensorsPanel(model: Model): HTMLElement {
@@ -15,8 +15,8 @@ export function sensorsPanel(model: Model): HTMLElement {
   const boxes = new Map<string, HTMLInputElement>();
   const held = new Map<HTMLInputElement, ReturnType<typeof setTimeout>>();
   let key = "";
-  const soon = whileOpen(panel, draw);
-  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, soon);
+  const scheduleDraw = whileOpen(panel, draw);
+  for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, scheduleDraw);
   onRights(model, draw);
   return panel;
 
@@ -56,13 +56,13 @@ export function sensorsPanel(model: Model): HTMLElement {
     const release = () => {
       clearTimeout(held.get(box));
       held.delete(box);
-      soon();
+      scheduleDraw();
     };
     clearTimeout(held.get(box));
     const timer = setTimeout(release, HOLDS_MS);
     held.set(box, timer);
     const isDone = await act(model, { do: "switch_sensor", robot: model.chosen, sensor, on: box.checked });
-    // A switch that was changed again meanwhile is held for that change.
+    // If the switch was changed again meanwhile, it keeps the newer position.
     if (!isDone && held.get(box) === timer) release();
   }
 }

@@ -12,7 +12,7 @@ const SONAR: Colour = [0.15, 0.6, 0.95];
 const SCAN: Colour = [0.1, 0.75, 0.35];
 const VIEW: Colour = [0.95, 0.8, 0.15];
 
-/** Beams in the frames of their robots, with which they move between snapshots. */
+/** Beams in the frames of their robots; they move with the robots between snapshots. */
 export class Beams {
   readonly beams = new THREE.Group();
   readonly scan = new THREE.Group();

@@ -14,12 +14,12 @@ export interface BodyView {
   readonly colour: readonly [number, number, number];
   /** Displayed pose. */
   readonly pose: Pose;
-  /** Displayed posture; that of a standing robot before the run says more. */
+  /** Displayed posture; the standing posture until the run reports another one. */
   readonly posture: Posture;
   /** The links of its legs, parents before children, and the displayed pose of each in the world. */
   readonly links: readonly Link[];
   readonly frames: readonly THREE.Matrix4[];
-  /** Pose to which the user drags it, until the run has placed it there; null if it is not dragged. */
+  /** Pose to which the user drags the body, until the run has placed the body there; null if it is not dragged. */
   held: Pose | null;
   /** The body is in the world. */
   isPresent: boolean;

@@ -170,7 +170,7 @@ export class ViewCamera {
     const corners = [0, tall].flatMap((z) =>
       [left, right].flatMap((x) => [low, high].map((y) => new THREE.Vector3(x, y, z))),
     );
-    // Bisects for the distance from which all corners are visible, with their middle at the centre of the view.
+    // Bisects for the smallest distance at which all corners are visible, with their middle at the centre of the view.
     const camera = this.camera.clone();
     const size = Math.hypot(right - left, high - low);
     let [lower, upper] = [0.1 * size, 8 * size];

@@ -8,7 +8,7 @@ import type { Bodies, BodyView } from "./bodies";
 import type { ViewCamera } from "./camera";
 import type { Marks } from "./marks";
 
-/** Pixels by which a pointer may move in a click, and tolerance for hitting a body. */
+/** Maximum motion of the pointer in a click, and tolerance for hitting a body, in pixels. */
 const CLICK_PX = 4;
 const NEAR_PX = 8;
 const STEP_M = 0.01;
@@ -137,7 +137,7 @@ export class DragControl {
     }
   }
 
-  /** Asks the run to place a body at its dragged pose, where it is displayed until the run has answered. */
+  /** Requests that the run place a body at its dragged pose; the body is displayed there until the run has answered. */
   private async place(body: BodyView): Promise<void> {
     const { held } = body;
     if (!held) return;
@@ -146,13 +146,13 @@ export class DragControl {
       this.model,
       body.what === "robot" ? { do: "place_robot", robot: body.id, ...pose } : { do: "place_object", object: body.id, ...pose },
     );
-    const letGo = () => {
+    const release = () => {
       if (body.held === held) body.held = null;
       this.changed();
     };
     // The snapshot with the new pose follows the answer.
-    if (isPlaced) setTimeout(letGo, 150);
-    else letGo();
+    if (isPlaced) setTimeout(release, 150);
+    else release();
   }
 
   private key(event: KeyboardEvent): void {

@@ -7,7 +7,10 @@ import type { Bodies } from "./bodies";
 import { Pen, type Colour } from "./pen";
 import { Sprites } from "./sprite";
 
-/** Real times for which a message is shown in flight and is visible altogether, whatever its simulated time of flight. */
+/**
+ * Real time for which a message is shown in flight, and for which it is visible in total; both are independent of its simulated time of
+ * flight.
+ */
 const FLIGHT_MS = 550;
 const SHOWN_MS = 1200;
 const CONTACT_MS = 900;
@@ -20,13 +23,13 @@ const DAMAGED: Colour = [0.95, 0.65, 0.1];
 const LOST: Colour = [0.95, 0.2, 0.2];
 const CONTACT: Colour = [1, 0.25, 0.1];
 
-type Fate = "arrived" | "damaged" | "lost";
+type Outcome = "arrived" | "damaged" | "lost";
 
-/** A message from one robot to another; both are equal if it is lost where it was sent. */
+/** A message from one robot to another; if the message is lost at the sender, both are the sender. */
 interface Flight {
   from: number;
   to: number;
-  fate: Fate;
+  outcome: Outcome;
   /** Real time for which it has been shown; it stops, with its outcome visible, while the run is paused. */
   age_ms: number;
 }
@@ -43,9 +46,9 @@ export class EventEffects {
   private readonly arcs = new Pen("lines", { renderOrder: 9, depthTest: false });
   private readonly dots = new Pen("points", { size_px: 11, renderOrder: 10, depthTest: false });
   private readonly bursts = new Pen("triangles", { renderOrder: 8 });
-  private readonly fates: Sprites;
+  private readonly outcomes: Sprites;
   private readonly flights: Flight[] = [];
-  private readonly struck: Contact[] = [];
+  private readonly recentContacts: Contact[] = [];
   private last = 0;
 
   constructor(
@@ -54,14 +57,14 @@ export class EventEffects {
   ) {
     const mark = (text: string, plate: string) => ({ text, plate, colour: "#ffffff" });
     const marks = [mark("✓", "#1d9a4b"), mark("~", "#b97a10"), mark("✕", "#d0342c")];
-    this.fates = new Sprites(Array.from({ length: MAX_FLIGHTS }, () => marks).flat(), 0, 21);
-    this.radio.add(this.arcs.object, this.dots.object, this.fates.mesh);
+    this.outcomes = new Sprites(Array.from({ length: MAX_FLIGHTS }, () => marks).flat(), 0, 21);
+    this.radio.add(this.arcs.object, this.dots.object, this.outcomes.mesh);
     this.contacts.add(this.bursts.object);
   }
 
   rebuild(): void {
     this.flights.length = 0;
-    this.struck.length = 0;
+    this.recentContacts.length = 0;
     // Events from before the page was opened are not played.
     this.last = this.model.events.at(-1)?.number ?? 0;
   }
@@ -82,16 +85,17 @@ export class EventEffects {
   update(passed_ms: number, prefersReducedMotion: boolean, width_px: number, height_px: number): boolean {
     const isStill = this.model.snapshot?.state.is === "paused" || this.model.player?.isPlaying === false;
     age(this.flights, passed_ms, SHOWN_MS, isStill);
-    age(this.struck, passed_ms, CONTACT_MS, isStill);
+    age(this.recentContacts, passed_ms, CONTACT_MS, isStill);
     this.drawFlights(prefersReducedMotion, width_px, height_px);
     this.drawContacts();
-    const isPlaying = (item: { age_ms: number }, most: number) => !isStill || item.age_ms < 0.6 * most;
-    return this.flights.some((flight) => isPlaying(flight, SHOWN_MS)) || this.struck.some((one) => isPlaying(one, CONTACT_MS));
+    const isPlaying = (item: { age_ms: number }, max_ms: number) => !isStill || item.age_ms < 0.6 * max_ms;
+    const isFlying = this.flights.some((flight) => isPlaying(flight, SHOWN_MS));
+    return isFlying || this.recentContacts.some((contact) => isPlaying(contact, CONTACT_MS));
   }
 
   dispose(): void {
     for (const pen of [this.arcs, this.dots, this.bursts]) pen.dispose();
-    this.fates.dispose();
+    this.outcomes.dispose();
   }
 
   private take({ kind, robot, fields }: Event): void {
@@ -99,20 +103,20 @@ export class EventEffects {
     if (kind === "contact") {
       const [x_m, y_m] = [number("x_m"), number("y_m")];
       if (x_m === null || y_m === null) return;
-      if (this.struck.length === MAX_CONTACTS) this.struck.shift();
-      this.struck.push({ x_m, y_m, age_ms: 0 });
+      if (this.recentContacts.length === MAX_CONTACTS) this.recentContacts.shift();
+      this.recentContacts.push({ x_m, y_m, age_ms: 0 });
     } else if ((kind === "radio_arrived" || kind === "radio_lost") && robot !== null) {
-      const fate = kind === "radio_lost" ? "lost" : (number("bit_errors") ?? 0) > 0 ? "damaged" : "arrived";
+      const outcome = kind === "radio_lost" ? "lost" : (number("bit_errors") ?? 0) > 0 ? "damaged" : "arrived";
       if (this.flights.length === MAX_FLIGHTS) this.flights.shift();
-      this.flights.push({ from: number("from") ?? robot, to: robot, fate, age_ms: 0 });
+      this.flights.push({ from: number("from") ?? robot, to: robot, outcome, age_ms: 0 });
     }
   }
 
   private drawFlights(prefersReducedMotion: boolean, width_px: number, height_px: number): void {
-    const { arcs, dots, fates } = this;
+    const { arcs, dots, outcomes } = this;
     arcs.begin();
     dots.begin();
-    for (let i = 0; i < 3 * MAX_FLIGHTS; i++) fates.put(i, 0, 0, 0, 0);
+    for (let i = 0; i < 3 * MAX_FLIGHTS; i++) outcomes.put(i, 0, 0, 0, 0);
     for (let i = 0; i < this.flights.length; i++) {
       const flight = this.flights[i]!;
       const from = this.bodies.robot(flight.from);
@@ -121,9 +125,9 @@ export class EventEffects {
       const progress = prefersReducedMotion ? 1 : Math.min(1, flight.age_ms / FLIGHT_MS);
       const rest = Math.max(0, (SHOWN_MS - flight.age_ms) / (SHOWN_MS - FLIGHT_MS));
       const opacity = prefersReducedMotion ? 1 : Math.min(1, rest);
-      const colour = progress < 1 ? AIR : COLOURS[flight.fate];
+      const colour = progress < 1 ? AIR : COLOURS[flight.outcome];
       // A lost message ends about half-way.
-      const goal = flight.fate === "lost" ? 0.55 : 1;
+      const goal = flight.outcome === "lost" ? 0.55 : 1;
       const end = goal * progress;
       const z0 = from.extent.height_m + 0.02;
       const z1 = to.extent.height_m + 0.02;
@@ -140,18 +144,18 @@ export class EventEffects {
         if (p < parts) arcs.to(at[0], at[1], at[2], colour, opacity * (p / parts));
       }
       dots.to(at[0]!, at[1]!, at[2]!, colour, opacity);
-      if (progress === 1) fates.put(3 * i + FATES[flight.fate], at[0]!, at[1]!, at[2]!, 0.9 * opacity);
+      if (progress === 1) outcomes.put(3 * i + OUTCOMES[flight.outcome], at[0]!, at[1]!, at[2]!, 0.9 * opacity);
     }
     arcs.end();
     dots.end();
-    fates.end(width_px, height_px);
+    outcomes.end(width_px, height_px);
   }
 
   /** Draws each contact as a star that grows and fades. */
   private drawContacts(): void {
     const pen = this.bursts;
     pen.begin();
-    for (const { x_m, y_m, age_ms } of this.struck) {
+    for (const { x_m, y_m, age_ms } of this.recentContacts) {
       const progress = age_ms / CONTACT_MS;
       const size = 0.02 + 0.05 * progress;
       for (let ray = 0; ray < 8; ray++) {
@@ -168,8 +172,8 @@ export class EventEffects {
   }
 }
 
-const COLOURS: Record<Fate, Colour> = { arrived: ARRIVED, damaged: DAMAGED, lost: LOST };
-const FATES: Record<Fate, number> = { arrived: 0, damaged: 1, lost: 2 };
+const COLOURS: Record<Outcome, Colour> = { arrived: ARRIVED, damaged: DAMAGED, lost: LOST };
+const OUTCOMES: Record<Outcome, number> = { arrived: 0, damaged: 1, lost: 2 };
 const at = new Float64Array(3);
 
 /** Ages items and drops old ones; while the run is paused they stop at an age where they are fully visible. */

@@ -30,7 +30,7 @@ export class Marks {
   private readonly ghostFill = new Pen("triangles", { renderOrder: 3 });
   private readonly colour = new THREE.Color();
   private readonly ghostPose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
-  /** By robot number: pose and odometry when the odometry's frame was located, and the latest ones. */
+  /** By robot number: pose and odometry when the odometry's frame was located, and the latest pose and odometry. */
   private readonly anchors = new Map<number, { pose: Pose; odometry: Pose; lastPose: Pose; lastOdometry: Pose }>();
 
   constructor(
@@ -157,7 +157,7 @@ export class Marks {
     knob.end();
   }
 
-  /** Draws the chosen robot at its odometry pose, as of its last detail. */
+  /** Draws the chosen robot at its odometry pose, according to its last detail. */
   private drawGhost(): void {
     const { ghostPen: lines, ghostFill: fill } = this;
     lines.begin();

@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import type { Bodies, BodyView } from "./bodies";
 
-/** Most pieces of ribbon of all robots together: new pieces replace the oldest. */
+/** Maximum number of pieces of ribbon of all robots together; new pieces replace the oldest ones. */
 const MAX_PIECES = 24_000;
 /** Length of a piece and half its width, in radii of the robot. */
 const STEP = 0.25;
@@ -20,7 +20,7 @@ export interface TrailsBefore {
   trails: [number, number][][][];
 }
 
-/** Asks the server for the trails of the run so far; again after a while if others ask as well. */
+/** Requests the trails of the run so far; repeats the request later if the server is busy with other pages' requests. */
 export async function trailsBefore(): Promise<TrailsBefore | null> {
   for (let attempt = 0; attempt < 8; attempt++) {
     const answer = await fetch("files/trails.json").catch(() => null);
@@ -35,7 +35,7 @@ export class Trails {
   readonly group = new THREE.Group();
   private readonly positions = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
   private readonly colours = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
-  /** The run of the ribbons. */
+  /** Number of the run whose ribbons are drawn. */
   private run = 0;
   private readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial>;
   private next = 0;
@@ -45,7 +45,7 @@ export class Trails {
   private t_s = 0;
   private hasChanged = false;
 
-  /** `before` gives the trails of a run that continues, up to now; null if there are none. */
+  /** `before` returns the trails so far of a run that continues; null if there are none. */
   constructor(
     private readonly bodies: Bodies,
     private readonly before: (run: number) => Promise<TrailsBefore | null>,
@@ -66,7 +66,7 @@ export class Trails {
     this.rebuild();
   }
 
-  /** Restarts the ribbons for a run that is shown from its middle on: as it was so far. */
+  /** Restarts the ribbons with the trails so far, for a run that the page shows from the middle on. */
   async join(run: number): Promise<void> {
     this.run = run;
     const before = await this.before(run);

@@ -19,7 +19,7 @@ import { World } from "./world";
 // Colours are mixed as in the simulator's cameras: without conversion of colour spaces.
 THREE.ColorManagement.enabled = false;
 
-/** Number of frames, and the times of the page's own code in the last one, for measurements. */
+/** Number of frames, and the times of the page's own code in the last frame, for measurements. */
 export interface FrameTimes {
   frames: number;
   /** Time for updating poses and buffers. */
@@ -154,7 +154,7 @@ export class View {
     });
   }
 
-  /** Rebuilds the view for the model's scene, and frees the resources of the one before. */
+  /** Rebuilds the view for the model's scene, and frees the resources of the previous one. */
   private rebuild(): void {
     const { scene } = this.model;
     this.world?.dispose();
@@ -313,7 +313,7 @@ export class View {
   }
 }
 
-/** The 3D view, or without WebGL a message that says so. */
+/** The 3D view or, without WebGL, a message instead. */
 export function sceneView(model: Model): { element: HTMLElement; view: View | null } {
   try {
     const view = new View(model);

@@ -5,7 +5,7 @@ import type { Scene } from "../protocol";
 import type { Bodies, BodyView } from "./bodies";
 import { GeometryMerger } from "./surface";
 
-/** An instanced mesh, and the bodies that have it, on the link of this index or, if it is null, on the body itself. */
+/** An instanced mesh, and the bodies that carry it: on the link with this index or, if it is null, on the body itself. */
 interface InstanceGroup {
   mesh: THREE.InstancedMesh;
   bodies: BodyView[];
@@ -91,7 +91,7 @@ export class World {
     this.group.add(new THREE.AmbientLight(0xffffff, Math.PI * ambient), fill, this.sun, this.sun.target);
   }
 
-  /** Floor and ground write no depth and are drawn first, one over the other, which excludes z-fighting. */
+  /** Adds floor and ground. They write no depth and are drawn first, one over the other, which prevents z-fighting. */
   private addFloor(): void {
     const { ground } = this.scene;
     if (!ground) return;
@@ -174,7 +174,7 @@ export class World {
     this.walls.add(mesh);
   }
 
-  /** Bodies of equal appearance are drawn in one call. */
+  /** Adds the bodies; bodies of equal appearance are drawn in one call. */
   private addBodies(): void {
     const looks = new Map<string, { body: BodyView; link: number | null; meshes: number[] }>();
     for (const part of this.scene.parts) {

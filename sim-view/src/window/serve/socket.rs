@@ -30,7 +30,7 @@ const READ_BURST: Duration = Duration::from_millis(500);
 /// Maximum number of unanswered commands of one page.
 const MAX_UNANSWERED: usize = 32;
 
-/// Close frame with which the server ends a connection.
+/// Close frame of the server at the end of a connection.
 #[derive(Debug)]
 struct CloseReason {
     code: u16,

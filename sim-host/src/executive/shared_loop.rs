@@ -37,9 +37,9 @@ impl Job {
     }
 }
 
-/// The loop in progress, with which the workers of an executor help.
+/// The parallel loop in progress, which the workers of an executor share.
 #[derive(Default)]
-pub struct Team {
+pub struct SharedLoop {
     /// The job of the loop; null for none.
     job: AtomicPtr<Job>,
     /// Number of loops so far.
@@ -48,8 +48,8 @@ pub struct Team {
     helpers: AtomicUsize,
 }
 
-impl Team {
-    /// Returns true if a loop has begun since loop number `seen`, with which the caller last helped.
+impl SharedLoop {
+    /// Returns true if a loop has begun since loop number `seen`, the last loop that the caller has helped.
     pub fn has_job(&self, seen: usize) -> bool {
         self.loops.load(Ordering::SeqCst) != seen
     }
@@ -62,31 +62,31 @@ impl Team {
         }
         *seen = self.loops.load(Ordering::SeqCst);
         let _helper = Helper::enter(self);
-        // SAFETY: the job lives, since `lead` does not return before there is no helper.
+        // SAFETY: the job lives, since `run` does not return before there is no helper.
         if let Some(job) = unsafe { self.job.load(Ordering::SeqCst).as_ref() } {
             job.work();
         }
         true
     }
 
-    /// Runs `job` on the calling thread and on the helping threads, which `wake_helpers` wakes. Only one thread leads at a
-    /// time.
-    pub fn lead(&self, job: &Job, wake_helpers: impl FnOnce()) {
+    /// Runs `job` on the calling thread and on the helping threads, which `wake_helpers` wakes. Only one thread may
+    /// call it at a time.
+    pub fn run(&self, job: &Job, wake_helpers: impl FnOnce()) {
         self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
         self.loops.fetch_add(1, Ordering::SeqCst);
-        let _lead = Lead(self);
+        let _waiting = WaitForHelpers(self);
         wake_helpers();
         job.work();
     }
 }
 
-/// A thread that may use the job.
-struct Helper<'a>(&'a Team);
+/// A thread that may be using the job.
+struct Helper<'a>(&'a SharedLoop);
 
 impl<'a> Helper<'a> {
-    fn enter(team: &'a Team) -> Self {
-        team.helpers.fetch_add(1, Ordering::SeqCst);
-        Self(team)
+    fn enter(shared_loop: &'a SharedLoop) -> Self {
+        shared_loop.helpers.fetch_add(1, Ordering::SeqCst);
+        Self(shared_loop)
     }
 }
 
@@ -96,10 +96,10 @@ impl Drop for Helper<'_> {
     }
 }
 
-/// The thread that leads; its drop waits for the helpers.
-struct Lead<'a>(&'a Team);
+/// Waits for the helpers when it is dropped.
+struct WaitForHelpers<'a>(&'a SharedLoop);
 
-impl Drop for Lead<'_> {
+impl Drop for WaitForHelpers<'_> {
     fn drop(&mut self) {
         /// Number of spins before the thread yields its processor: a helper may be waiting for the processor.
         const SPINS: usize = 500;
@@ -153,9 +153,9 @@ impl Pool for WorkerPool<'_> {
             next: AtomicUsize::new(0),
             iterations,
             chunk: (iterations / (8 * workers)).clamp(1, MAX_CHUNK),
-            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the data live;
-            // the items are borrowed mutably here, may be sent to other threads, and each section belongs to one call;
-            // threads may share `act`.
+            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the
+            // data live. The items are borrowed mutably here and may be sent to other threads, and each section
+            // belongs to one call. Threads may share `act`.
             run: runner::<T, _>(&act),
             data: ptr::from_ref(&data).cast(),
         };
