@@ -109,7 +109,7 @@ struct Deviation {
     expected_mean: f64,
     /// Error of the standard deviation, pooled over all channels.
     sigma: f64,
-    /// Expected value of `spread` with the right distribution.
+    /// Expected value of `sigma` with the right distribution.
     expected_sigma: f64,
     /// Time of the exposures, ns.
     time_ns: f64,

@@ -29,7 +29,7 @@ use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::figure::{Figure, Mark, Scale, Series};
 use crate::world::{Random, room_with_boxes};
 
-pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: cells that are not right, against time", run };
+pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: wrong or unknown cells, against time", run };
 
 /// Numbers of stops with cells of [`CELL`].
 const STOPS: [usize; 5] = [1, 3, 10, 30, 100];
@@ -131,7 +131,7 @@ fn run(effort: Effort) -> Outcome {
     }
     let figure = Figure {
         name: "maps-readings".to_owned(),
-        title: "Cells that are not right, against the number of readings".to_owned(),
+        title: "Wrong or unknown cells, against the number of readings".to_owned(),
         x_label: "readings".to_owned(),
         y_label: "share of cells".to_owned(),
         x_scale: Scale::Logarithmic,
