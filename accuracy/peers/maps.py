@@ -1,12 +1,12 @@
-"""Recomputes the errors of docs/papers/fusion.csv from traces and true heights alone.
+"""Computes the errors of docs/papers/fusion.csv again, from traces and true heights alone.
 
-The script uses none of the project's code: it implements the methods with numpy from their description in docs/papers.md. `papers fusion`
-writes traces, scenes and heights to its folder `runs`.
+Nothing of the project's code is used: the methods are written anew with numpy from their description in docs/papers.md. `papers fusion`
+leaves traces, scenes and heights in its folder `runs`.
 
     python maps.py target/papers/fusion/runs docs/papers 127500 127501
 
-The script prints the error of each method beside the published error, in cm. It exits with 1 if two errors differ by 0.05 cm or more, half
-a unit of the tables' last digit.
+Prints the error of each method beside the published one, in cm, and exits with 1 if two differ by half a unit of the tables' last digit,
+0.05 cm, or more.
 """
 
 import csv
@@ -17,10 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-# Side of the terrain and maximum height, m; sample points along a cell's side.
-SIDE, TOP, SAMPLES = 10.0, 2.5, 3
+SIDE, TOP, LOOKS = 10.0, 2.5, 3
 ASSUMED_HALF_ANGLE = np.radians(27.5)
-# Excess of distances as a fraction, and heading drift in radians per metre.
 ODOMETRY = (0.02, np.radians(0.5))
 
 
@@ -31,7 +29,6 @@ def membership(cosine):
 
 
 def aperture(cut):
-    """Angle from the beam's axis at which the membership falls to `cut`."""
     return min(ASSUMED_HALF_ANGLE * np.sqrt(-np.log(cut) / (2 * np.log(2))), np.pi / 2)
 
 
@@ -76,7 +73,7 @@ class Lattice:
         self.cell = SIDE / self.count
 
     def window(self, x, y, reach):
-        """Ranges of columns and rows of the cells within `reach` of a point."""
+        """Cells within a reach of a point, as ranges of columns and rows."""
         low = lambda at: min(max(int(np.floor((at - reach) / self.cell)), 0), self.count)
         high = lambda at: max(min(int(np.floor((at + reach) / self.cell)) + 1, self.count), 0)
         return low(x), high(x), low(y), high(y)
@@ -86,15 +83,15 @@ class Lattice:
 
 
 def activations(lattice, origin, axis, distance, cut):
-    """Cells that a reading activates: columns, rows, weights, and the points of maximum membership with their heights.
+    """Cells that a reading activates: columns, rows, weights, and the points of greatest membership with their heights.
 
-    The membership is evaluated at 3 x 3 points in each cell and at the rim of the cap above or below the cell.
+    The membership is looked for at 3 x 3 points in each cell and at the rim of the cap above or below it.
     """
     least = np.cos(aperture(cut)) - 1e-9
     c0, c1, r0, r1 = lattice.window(origin[0], origin[1], distance)
     columns, rows = (part.ravel() for part in np.meshgrid(np.arange(c0, c1), np.arange(r0, r1)))
     cx, cy = (columns + 0.5) * lattice.cell, (rows + 0.5) * lattice.cell
-    offsets = ((np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5) * lattice.cell
+    offsets = ((np.arange(LOOKS) + 0.5) / LOOKS - 0.5) * lattice.cell
     ox, oy = (part.ravel() for part in np.meshgrid(offsets, offsets))
     dx, dy = cx - origin[0], cy - origin[1]
     length = np.hypot(dx, dy)
@@ -118,7 +115,7 @@ def activations(lattice, origin, axis, distance, cut):
 
 
 def grid(lattice, readings, band, cut):
-    """Certainties (empty, occupied) of cubes, after Moravec and Elfes 1985, and the heights of the layers of cubes."""
+    """Certainties (empty, occupied) of cubes, after Moravec and Elfes."""
     cell, layers = lattice.cell, int(np.ceil(TOP / lattice.cell))
     empty = np.zeros((lattice.count, lattice.count, layers))
     occupied = np.zeros_like(empty)
@@ -165,7 +162,7 @@ def grid_heights(lattice, readings, band, cut, projection):
 
 
 def printed_heights(lattice, readings, cut, planes, ridge):
-    """Heights by Eq. 3, one equation for each reading. If `ridge` is None, the ridge is that of maximum evidence."""
+    """Eq. 3: one equation for each reading; without a ridge, that of the greatest evidence."""
     rules, values = [], []
     for origin, axis, distance in zip(*readings):
         columns, rows, weight, *_ = activations(lattice, origin, axis, distance, cut)
@@ -217,7 +214,7 @@ def printed_heights(lattice, readings, cut, planes, ridge):
 
 
 def cells_heights(lattice, readings, cut, planes, above, sigma):
-    """Heights by our cells: a Kalman filter for each cell, of its height, or of its height and its slopes in units of cells."""
+    """One equation for each cell: Kalman filters of its height, or of its height and slopes in units of cells."""
     size = 3 if planes else 1
     mean = np.zeros((lattice.count, lattice.count, size))
     variance = np.zeros((lattice.count, lattice.count, size, size))

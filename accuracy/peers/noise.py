@@ -1,12 +1,11 @@
-"""Estimates the noise of a sensor, a drive, odometry and a radio from a trace alone, and prints each estimate beside its expected value.
+"""Estimates the noise of a sensor, a drive, odometry and a radio from a trace alone, and sets each figure beside the number it should have.
 
-The script uses none of the project's code. The scene is accuracy/peers/noise/noise.scene.toml:
+Nothing of the project's code is used. The scene is accuracy/peers/noise/noise.scene.toml:
 
     eyesim run accuracy/peers/noise/noise.scene.toml --trace noise.jsonl
     python accuracy/peers/noise.py noise.jsonl
 
-The column `z` is the difference in standard errors of the estimate. The script exits with 1 if the magnitude of a `z` is above 4, which
-happens by chance once in 2000 runs.
+`z` is the difference in standard errors of the estimate. Exits with 1 if one is above 4: by chance that happens once in 2000 runs.
 """
 
 import json
@@ -24,14 +23,14 @@ def events(path, robot, kind):
     return [event for event in lines if event.get("robot") == robot and event["event"] == kind]
 
 
-def fraction(name, count, of, expected):
-    """Row of the table: a frequency, compared with its probability."""
+def share(name, count, of, expected):
+    """A frequency against its probability."""
     error = math.sqrt(expected * (1 - expected) / of)
     return name, count / of, expected, error
 
 
 def deviation(name, sample, expected):
-    """Row of the table: a standard deviation, compared with that of a normal distribution."""
+    """A standard deviation against that of a normal distribution."""
     return name, np.std(sample, ddof=1), expected, expected / math.sqrt(2 * (len(sample) - 1))
 
 
@@ -42,18 +41,18 @@ def distances(path):
     sigma = math.hypot(0.001, 0.005 * true, 0.094 * true**2)
     middle = np.median(values)
     core = values[abs(values - middle) < 5 * sigma]
-    # An outlier is uniform over the range of the scout's sensor, 60 mm to 4 m, and by chance within the core.
+    # An outlier is anywhere in the range of 60 mm to 4 m of the scout's sensor, within the core by chance.
     far = 0.001 * (1 - 0.001) * (1 - 10 * sigma / (3.999 - 0.06))
     yield deviation("PSD: standard deviation, mm", 1e3 * core, 1e3 * sigma)
     yield "PSD: bias drawn once, mm", 1e3 * (middle - true), 0.0, 5.0
-    yield fraction("PSD: no return", len(readings) - len(values), len(readings), 0.001)
-    yield fraction("PSD: outliers", len(values) - len(core), len(readings), far)
+    yield share("PSD: no return", len(readings) - len(values), len(readings), 0.001)
+    yield share("PSD: outliers", len(values) - len(core), len(readings), far)
     z = np.sort((core - core.mean()) / core.std())
     normal = np.array([0.5 * (1 + math.erf(value / math.sqrt(2))) for value in z])
     steps = np.arange(len(z) + 1) / len(z)
     largest = max(np.max(steps[1:] - normal), np.max(normal - steps[:-1]))
-    # Mean and deviation are those of the sample, which makes the distance smaller. One sample in twenty exceeds 0.886 / sqrt(n) (Lilliefors).
-    yield "PSD: distance from a normal distribution", largest, 0.0, 0.886 / math.sqrt(len(z)) / 2
+    # Lilliefors: mean and deviation are those of the sample, which shrinks the distance: 0.886 / sqrt(n) is exceeded by one in twenty.
+    yield "PSD: distance from a normal law", largest, 0.0, 0.886 / math.sqrt(len(z)) / 2
 
 
 def motion(path):
@@ -61,8 +60,8 @@ def motion(path):
     steps = np.diff([pose["x_m"] for pose in poses])
     ticks = round(0.05 / TICK)
     sigma = 0.1 * SPEED * TICK * math.sqrt(ticks)
-    yield deviation("drive: deviation of the distance in 50 ms, mm", 1e3 * steps, 1e3 * sigma)
-    yield "drive: mean of the distance in 50 ms, mm", 1e3 * steps.mean(), 1e3 * SPEED * ticks * TICK, 1e3 * sigma / math.sqrt(len(steps))
+    yield deviation("drive: deviation of 50 ms, mm", 1e3 * steps, 1e3 * sigma)
+    yield "drive: mean of 50 ms, mm", 1e3 * steps.mean(), 1e3 * SPEED * ticks * TICK, 1e3 * sigma / math.sqrt(len(steps))
     read = events(path, 2, "odometry")
     times, places = np.array([event["t_s"] for event in read]), np.array([event["x_m"] for event in read])
     scaled = []
@@ -77,25 +76,25 @@ def radio(path):
     sent = {event["message"]: bytes(event["data"]) for event in events(path, 3, "radio_sent")}
     lost = [event for event in events(path, 4, "radio_lost") if event["cause"] == "packet"]
     arrived = events(path, 4, "radio_arrived")
-    yield fraction("radio: messages lost, P_p", len(lost), len(lost) + len(arrived), 0.05)
+    yield share("radio: messages lost, P_p", len(lost), len(lost) + len(arrived), 0.05)
     flipped, bits = 0, 0
     for event in events(path, 4, "radio_received"):
         was = sent[event["message"]]
         flipped += sum((a ^ b).bit_count() for a, b in zip(was, event["data"]))
         bits += 8 * len(was)
-    yield fraction("radio: bits inverted, P_b", flipped, bits, 0.001)
-    reported = sum(event["bit_errors"] for event in arrived)
-    yield "radio: bits inverted, as reported", reported, flipped, 0.25
+    yield share("radio: bits inverted, P_b", flipped, bits, 0.001)
+    told = sum(event["bit_errors"] for event in arrived)
+    yield "radio: bits inverted, as told", told, flipped, 0.25
 
 
 def main():
     path, wrong = sys.argv[1], 0
-    print(f"{'estimate':<46} {'found':>12} {'expected':>12} {'z':>6}")
+    print(f"{'figure':<42} {'found':>12} {'expected':>12} {'z':>6}")
     for part in distances, motion, radio:
         for name, found, expected, error in part(path):
             z = (found - expected) / error
             wrong += abs(z) > 4
-            print(f"{name:<46} {found:12.6g} {expected:12.6g} {z:6.2f}{'  DIFFERS' if abs(z) > 4 else ''}")
+            print(f"{name:<42} {found:12.6g} {expected:12.6g} {z:6.2f}{'  DIFFERS' if abs(z) > 4 else ''}")
     sys.exit(1 if wrong else 0)
 
 

@@ -1,12 +1,12 @@
 """Pictures of the bench `camera` by another renderer: camera_peers.py FOLDER RENDERER WIDTHxHEIGHT SHADOWS REPEATS
 
-RENDERER is `mujoco` (OpenGL by Mesa's llvmpipe on one thread), `mujoco-boxes` or `pybullet` (its TinyRenderer). The wheels mujoco, pybullet and
-numpy must be installed. SHADOWS is `none`, `default` or, for MuJoCo, the width of its shadow map in texels (4096 by default). The script reads the
-files that the bench has written to FOLDER, and writes the pictures to FOLDER/RENDERER.rgb (row by row from the top, one picture after the other). It
-prints the seconds of all views in the fastest of REPEATS turns, including the transfer of the pixels.
+RENDERER is `mujoco` (OpenGL by Mesa's llvmpipe on one thread), `mujoco-boxes` or `pybullet` (its TinyRenderer); both are wheels, and
+need the wheel numpy. SHADOWS is `none`, `default` or, for MuJoCo, the width of its shadow map in texels (4096 by default). Reads what the bench has
+written to FOLDER, writes the pictures to FOLDER/RENDERER.rgb (row by row from the top, one picture after the other), and prints the
+seconds of all views in the fastest of REPEATS turns, reading back of the pixels included.
 
-All features that cost time are off: multisampling, specular light, sky box, fog and reflection. The room is four meshes, one for each texture,
-which both render fastest. With `mujoco-boxes` it is one mesh for each box.
+All quality that costs time is off: no multisampling, no specular light, no sky box, no fog, no reflection. The room is four meshes,
+one for each texture: that is what both render fastest. For `mujoco-boxes` it is a mesh for each box.
 """
 
 import os
@@ -29,11 +29,8 @@ FACES_OF_A_BOX = 12
 
 
 class Scene:
-    """The scene that the bench has written.
-
-    A row of `faces` is the material, then x, y, z, u, v of each corner. A row of `views` is the eye, then the directions forward and left.
-    `light` is the direction towards the sun, the ambient and the diffuse light.
-    """
+    """Faces are rows of material, then x, y, z, u, v for each corner; views rows of eye, forward, left; light is the direction
+    towards the sun, ambient and diffuse."""
 
     def __init__(self, folder, is_split):
         def numbers(name, columns):
@@ -146,7 +143,7 @@ def pybullet_frames(scene, size, shadows):
 
     width, height = size
     pybullet.connect(pybullet.DIRECT)
-    # PyBullet's shadow map is centred on the origin.
+    # Its map of shadows is around the origin.
     middle = 0.5 * (scene.corners.min(axis=0) + scene.corners.max(axis=0)) * [1, 1, 0]
     for number, material in enumerate(scene.meshes):
         name = str(scene.folder / f"mesh{number}.obj")

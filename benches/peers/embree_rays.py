@@ -1,10 +1,10 @@
 """Rays of the bench `rays` through Embree: python3 embree_rays.py FOLDER (filled by `ray-files FOLDER`).
 
-Needs the wheels embreex and numpy. Walls are extruded to 1 m, two triangles each, and rays are at half of this height.
-Embree computes in 32-bit floats. The rays are passed in batches, and Embree's single-ray query casts them one at a time.
+Needs the wheels embreex and numpy. Walls are extruded to 1 m, two triangles each; rays run at half that height. Embree
+computes in 32-bit floats; rays are handed over in batches, cast one at a time by Embree's single-ray query.
 
-The bench `terrain` runs this script as `embree_rays.py --mesh FOLDER REPEATS CHUNK MODE`. MODE is `fast` or, for fewer leaks
-at shared edges, `robust`.
+The bench `terrain` runs it as `embree_rays.py --mesh FOLDER REPEATS CHUNK MODE`, MODE being
+`fast` or, for fewer leaks at shared edges, `robust`.
 """
 
 import sys
