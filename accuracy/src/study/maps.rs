@@ -115,8 +115,9 @@ fn run(effort: Effort) -> Outcome {
     let rooms: Vec<Room> = (0..effort.of(ROOMS) as u64).map(|number| Room::new(SEED + number)).collect();
     let (mut rows, mut series) = (Vec::new(), Vec::new());
     for (name, build) in METHODS {
+        let setting = |stops: usize| if stops == 1 { "1 stop".to_owned() } else { format!("{stops} stops") };
         let stop_rows: Vec<Row> =
-            STOPS.iter().map(|stops| row(name, build, &rooms, *stops, CELL, format!("{stops} stops"))).collect();
+            STOPS.iter().map(|stops| row(name, build, &rooms, *stops, CELL, setting(*stops))).collect();
         let readings = STOPS.iter().map(|stops| (stops * READINGS) as f64);
         let points = readings.zip(&stop_rows).map(|(readings, row)| (readings, row.error)).collect();
         series.push(Series { name: name.to_owned(), mark: Mark::LineAndDots, points });
@@ -133,7 +134,7 @@ fn run(effort: Effort) -> Outcome {
         name: "maps-readings".to_owned(),
         title: "Wrong or unknown cells, against the number of readings".to_owned(),
         x_label: "readings".to_owned(),
-        y_label: "share of cells".to_owned(),
+        y_label: "fraction of cells".to_owned(),
         x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,
         series,
