@@ -15,7 +15,7 @@ pub const DRIVE: Study = Study {
 
 pub const ODOMETRY: Study = Study {
     name: "odometry",
-    title: "Position that encoders tell after 10 minutes, against how often and how finely they are read",
+    title: "Position by odometry after 10 minutes, against period and resolution of the encoders",
     run: odometry,
 };
 
@@ -56,10 +56,10 @@ fn odometry(effort: Effort) -> Outcome {
     let mut rows = Vec::new();
     let mut series = Vec::new();
     for (method, ticks) in [
-        ("angles without ticks", None),
-        ("10,000 ticks a turn", Some(10_000.0)),
-        ("1,000 ticks a turn", Some(1_000.0)),
-        ("100 ticks a turn", Some(100.0)),
+        ("exact angles", None),
+        ("10,000 counts per turn", Some(10_000.0)),
+        ("1,000 counts per turn", Some(1_000.0)),
+        ("100 counts per turn", Some(100.0)),
     ] {
         let periods = &SLOTS[3..];
         let measured: Vec<Row> =

@@ -29,7 +29,7 @@ use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::figure::{Figure, Mark, Scale, Series};
 use crate::world::{Random, room_with_boxes};
 
-pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: cells that are not right, against time", run };
+pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: wrong or unknown cells, against time", run };
 
 /// Numbers of stops with cells of [`CELL`].
 const STOPS: [usize; 5] = [1, 3, 10, 30, 100];
@@ -115,8 +115,9 @@ fn run(effort: Effort) -> Outcome {
     let rooms: Vec<Room> = (0..effort.of(ROOMS) as u64).map(|number| Room::new(SEED + number)).collect();
     let (mut rows, mut series) = (Vec::new(), Vec::new());
     for (name, build) in METHODS {
+        let setting = |stops: usize| if stops == 1 { "1 stop".to_owned() } else { format!("{stops} stops") };
         let stop_rows: Vec<Row> =
-            STOPS.iter().map(|stops| row(name, build, &rooms, *stops, CELL, format!("{stops} stops"))).collect();
+            STOPS.iter().map(|stops| row(name, build, &rooms, *stops, CELL, setting(*stops))).collect();
         let readings = STOPS.iter().map(|stops| (stops * READINGS) as f64);
         let points = readings.zip(&stop_rows).map(|(readings, row)| (readings, row.error)).collect();
         series.push(Series { name: name.to_owned(), mark: Mark::LineAndDots, points });
@@ -131,9 +132,9 @@ fn run(effort: Effort) -> Outcome {
     }
     let figure = Figure {
         name: "maps-readings".to_owned(),
-        title: "Cells that are not right, against the number of readings".to_owned(),
+        title: "Wrong or unknown cells, against the number of readings".to_owned(),
         x_label: "readings".to_owned(),
-        y_label: "share of cells".to_owned(),
+        y_label: "fraction of cells".to_owned(),
         x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,
         series,

@@ -17,7 +17,7 @@ use crate::figure::{Figure, Mark, Scale, Series};
 use crate::statistics::{kolmogorov_distance, normal_cdf};
 
 pub const STUDY: Study =
-    Study { name: "noise", title: "Random numbers: distance from their distribution, and what one costs", run };
+    Study { name: "noise", title: "Random numbers: distance from their distribution, and time per number", run };
 
 /// Sample sizes; each sample begins with the previous one.
 const COUNTS: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];

@@ -6,7 +6,7 @@ use crate::figure::{Figure, Mark, Scale, Series};
 
 pub const STUDY: Study = Study {
     name: "range-sensors",
-    title: "Laser, ultrasonic and reflectance sensor on a walking leg, before a floor and a step",
+    title: "Laser, ultrasonic and reflectance sensor on a walking leg, above a floor and a step",
     run,
 };
 
@@ -39,7 +39,7 @@ fn run(effort: Effort) -> Outcome {
     }
     let figure = Figure {
         name: "range-sensors-walk".to_owned(),
-        title: "What the sensors read on the walk".to_owned(),
+        title: "Readings of the sensors on the walk".to_owned(),
         x_label: "time, s".to_owned(),
         y_label: "distance, m".to_owned(),
         x_scale: Scale::Linear,

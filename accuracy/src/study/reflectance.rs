@@ -52,7 +52,7 @@ fn run(effort: Effort) -> Outcome {
     }
     let figure = Figure {
         name: "reflectance-signal".to_owned(),
-        title: "Greatest error of the recovered distance".to_owned(),
+        title: "Maximum error of the recovered distance".to_owned(),
         x_label: "signal, 1/m".to_owned(),
         y_label: "error, m".to_owned(),
         x_scale: Scale::Logarithmic,

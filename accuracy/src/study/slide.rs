@@ -18,7 +18,7 @@ use crate::figure::{Figure, Mark, Scale, Series};
 use crate::slide::Case;
 
 pub const STUDY: Study =
-    Study { name: "slide", title: "Where a robot is that slides along walls, against the length of the step", run };
+    Study { name: "slide", title: "Position of a robot that slides along walls, against the length of the step", run };
 
 /// Radius of the discs, m.
 const RADIUS: f64 = 0.1;
