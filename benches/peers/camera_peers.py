@@ -143,7 +143,7 @@ def pybullet_frames(scene, size, shadows):
 
     width, height = size
     pybullet.connect(pybullet.DIRECT)
-    # MuJoCo's shadow map is around the origin.
+    # PyBullet's shadow map is around the origin.
     middle = 0.5 * (scene.corners.min(axis=0) + scene.corners.max(axis=0)) * [1, 1, 0]
     for number, material in enumerate(scene.meshes):
         name = str(scene.folder / f"mesh{number}.obj")
