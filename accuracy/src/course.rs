@@ -70,8 +70,8 @@ impl Course {
     }
 
     /// End pose of the course by the closed form of each drive, with 30 digits.
-    pub fn end(&self) -> End {
-        let mut end = End::default();
+    pub fn end(&self) -> EndPose {
+        let mut end = EndPose::default();
         for Drive { displacement: Twist { vx, vy, omega }, .. } in &self.0 {
             let (vx, vy, angle) = (Wide::from(*vx), Wide::from(*vy), Wide::from(*omega));
             let (sin, cos) = end.heading.sin_cos();
@@ -91,7 +91,7 @@ impl Course {
 
 /// End pose with 30 digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct End {
+pub struct EndPose {
     /// x of the position, m.
     pub x: Wide,
     /// y of the position, m.
@@ -100,7 +100,7 @@ pub struct End {
     pub heading: Wide,
 }
 
-impl End {
+impl EndPose {
     /// Distance to a pose's position, in metres.
     pub fn distance(&self, pose: &Pose) -> f64 {
         let [x, y] = pose.position.to_array().map(Wide::from);

@@ -8,7 +8,7 @@ use std::thread;
 use common::{DRIVE, has_compiler, run, scene, try_run};
 use sim_core::record::Outcome;
 use sim_host::executive::damage::is_heap_lost;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt::Interrupt;
 
 /// The allocator of `eyesim`, whose heap is not the one that breaks.
@@ -49,14 +49,14 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         });
         starts.recv().expect("a thread");
         let broken = run(free.path());
-        assert!(matches!(broken.end, End::Broken), "{:?}", broken.end);
+        assert!(matches!(broken.end, EndReason::Broken), "{:?}", broken.end);
         let reason = broken.robots[0].reason.as_deref().unwrap_or_default();
         assert!(reason.contains("segmentation fault") && reason.contains("p0.c:7"), "{reason}");
         assert!(is_heap_lost());
         // If the run had not begun before the fault, it was refused.
         match ended.join().expect("a run") {
             Ok(ended) => {
-                assert!(matches!(ended.end, End::HeapLost), "{:?}", ended.end);
+                assert!(matches!(ended.end, EndReason::HeapLost), "{:?}", ended.end);
                 assert_eq!(ended.robots[0].outcome, Outcome::Interrupted);
                 let reason = ended.robots[0].reason.as_deref().unwrap_or_default();
                 assert!(reason.contains("heap of the C library"), "{reason}");

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use sim_core::time::Time;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::program::Exec;
 use sim_host::launch::{Observers, Options, Scene, serve_child};
 
@@ -54,6 +54,6 @@ fn in_processes_the_same_happens() {
     let options = Options { exec: Exec::Process, ..Options::default() };
     let scene = Scene::open(folder.path().join("scene.sim"), options);
     let finished = scene.and_then(Scene::load).and_then(|ready| ready.run()).unwrap_or_else(|error| panic!("{error}"));
-    assert!(matches!(finished.ended.end, End::Finished), "{:?}", finished.ended.end);
+    assert!(matches!(finished.ended.end, EndReason::Finished), "{:?}", finished.ended.end);
     assert_eq!(finished.report.digest, common::run(folder.path()).digest);
 }

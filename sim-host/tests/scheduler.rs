@@ -11,7 +11,7 @@ use sim_core::record::{Action, Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_host::executive::dispatcher::{Boundary, End};
+use sim_host::executive::dispatcher::{Boundary, EndReason};
 use sim_host::executive::scheduler::{Ended, Progress, Scheduler, SnapshotError};
 use sim_host::launch::{Observers, Options, Ready, Scene};
 use sim_host::record::{RecordError, Sink};
@@ -93,7 +93,7 @@ fn pausing_and_observing_every_slot_changes_nothing() {
         return;
     }
     let plain = run();
-    assert!(matches!(plain.end, End::Stuck), "{:?}", plain.end);
+    assert!(matches!(plain.end, EndReason::Stuck), "{:?}", plain.end);
     let mut boundaries = Vec::new();
     let callers = Arc::new(Mutex::new(Callers::default()));
     let owner = |scheduler: &mut Scheduler| {
@@ -115,7 +115,7 @@ fn pausing_and_observing_every_slot_changes_nothing() {
     };
     let watched = run_by(owner, vec![Box::new(Arc::clone(&callers))]);
     assert_eq!((watched.digest, watched.time), (plain.digest, plain.time));
-    assert!(matches!(watched.end, End::Stuck), "{:?}", watched.end);
+    assert!(matches!(watched.end, EndReason::Stuck), "{:?}", watched.end);
     assert_eq!(callers.lock().0, BTreeSet::from([RobotId(2)]), "the other one's calls nobody wants");
     assert_eq!(boundaries.first(), Some(&(Time::ZERO, Some(Time::ZERO))), "it stands before the first slot");
     assert_eq!(boundaries.last(), Some(&(plain.time, None)), "and then where nothing happens any more");
@@ -141,7 +141,7 @@ fn a_run_waiting_for_user_input_continues_after_it() {
         assert_eq!(scheduler.advance_to(Time::NEVER), Progress::Paused);
     };
     let ended = run_by(owner, Vec::new());
-    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    assert!(matches!(ended.end, EndReason::Finished), "{:?}", ended.end);
     for robot in &ended.robots {
         assert_eq!(robot.outcome, Outcome::Finished);
         assert!((7.0..7.05).contains(&robot.virtual_time.seconds()), "{}", robot.virtual_time);
@@ -185,7 +185,7 @@ fn actions_happen_no_later_than_the_next_due_slot() {
     };
     let ended = run_by(owner, Vec::new());
     // Both keys are pressed before the first slot, and kept until the drive is over.
-    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    assert!(matches!(ended.end, EndReason::Finished), "{:?}", ended.end);
     assert!(ended.time < Time::from_millis(1_200), "{}", ended.time);
     assert_eq!(answers, [Ok(()), Ok(())]);
 }
@@ -205,7 +205,7 @@ fn the_owner_can_end_a_run_at_any_time() {
                 }
             };
             let ended = run_by(owner, Vec::new());
-            assert!(matches!(ended.end, End::Interrupted), "{:?}", ended.end);
+            assert!(matches!(ended.end, EndReason::Interrupted), "{:?}", ended.end);
             assert_eq!(ended.time, end);
             assert!(ended.robots.iter().all(|robot| robot.outcome == Outcome::Interrupted));
         }

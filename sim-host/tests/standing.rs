@@ -8,7 +8,7 @@ use sim_core::pose::Pose;
 use sim_core::record::Outcome;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::scheduler::{Ended, Progress};
 use sim_host::launch::{Observers, Options, Scene};
 use sim_host::record::Trace;
@@ -98,7 +98,7 @@ fn a_robot_without_a_program_is_detected_and_hit() {
     let mut digests = Vec::new();
     for workers in [1, 2, 8] {
         let ended = run(folder.path(), workers, |scene| scene.robots[1].program = None);
-        assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+        assert!(matches!(ended.end, EndReason::Finished), "{:?}", ended.end);
         let [ram, stands, other] = &ended.robots[..] else { panic!("three robots") };
         // From 60 mm ahead of the centre to the body of radius 100 mm: 600 - 60 - 100.
         assert_eq!(ram.panel.lines()[0].trim_end(), "440");
@@ -123,7 +123,7 @@ fn a_robot_without_a_program_is_detected_and_hit() {
 fn a_scene_without_programs_ends_immediately() {
     let folder = scene(["ram.c", "ram.c", "ram.c"]);
     let ended = run(folder.path(), 2, |scene| scene.robots.iter_mut().for_each(|robot| robot.program = None));
-    assert!(matches!(ended.end, End::Finished), "{:?}", ended.end);
+    assert!(matches!(ended.end, EndReason::Finished), "{:?}", ended.end);
     assert_eq!(ended.time, Time::ZERO, "no slot is run");
     assert!(ended.robots.iter().all(|robot| robot.outcome == Outcome::NoProgram));
     for robot in 1..=3 {

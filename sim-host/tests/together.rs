@@ -8,7 +8,7 @@ use std::time::Duration;
 use common::{DRIVE, has_compiler, run, scene, try_run};
 use sim_core::record::Outcome;
 use sim_host::executive::damage::lost_flows;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt::Interrupt;
 
 /// Faults in its own code while the other robots of the process run.
@@ -57,8 +57,8 @@ fn a_fault_affects_only_its_run() {
         (good.join().expect("a run"), bad.join().expect("a run"))
     });
     assert_eq!(together.digest, alone);
-    assert!(matches!(together.end, End::Finished), "{:?}", together.end);
-    assert!(matches!(broken.end, End::Broken), "{:?}", broken.end);
+    assert!(matches!(together.end, EndReason::Finished), "{:?}", together.end);
+    assert!(matches!(broken.end, EndReason::Broken), "{:?}", broken.end);
     let reasons = broken.robots.iter().map(|robot| robot.reason.as_deref().unwrap_or_default());
     let [other, faulted] = reasons.collect::<Vec<_>>()[..] else { panic!("two robots") };
     assert_eq!(other, "another robot's program broke");
@@ -81,8 +81,8 @@ fn an_interrupt_ends_only_its_runs() {
         assert_eq!(run(other.path()).digest, alone);
         thread::sleep(Duration::from_millis(10));
         interrupt.set();
-        assert!(matches!(ended.join().expect("a run").end, End::Interrupted));
+        assert!(matches!(ended.join().expect("a run").end, EndReason::Interrupted));
     });
     let ended = try_run(other.path(), interrupt).expect("a run");
-    assert!(matches!(ended.end, End::Interrupted), "for ever");
+    assert!(matches!(ended.end, EndReason::Interrupted), "for ever");
 }

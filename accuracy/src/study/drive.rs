@@ -4,7 +4,7 @@ use sim_core::pose::Pose;
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
-use crate::course::{self, Course, End};
+use crate::course::{self, Course, EndPose};
 use crate::figure::{Figure, Mark, Scale, Series};
 
 pub const DRIVE: Study = Study {
@@ -72,7 +72,7 @@ fn odometry(effort: Effort) -> Outcome {
 
 type Method = fn(&Course, Time) -> Pose;
 
-fn odometry_row(course: &Course, end: &End, method: &str, period: i64, ticks: Option<f64>, effort: Effort) -> Row {
+fn odometry_row(course: &Course, end: &EndPose, method: &str, period: i64, ticks: Option<f64>, effort: Effort) -> Row {
     let mut pose = Pose::default();
     let time_ns = nanoseconds(effort.of(30), 1, || pose = course::odometry(course, Time(period), ticks));
     row(ODOMETRY, method, &format!("read every {}", duration(period)), end.distance(&pose), time_ns, course)

@@ -16,7 +16,7 @@ use sim_core::time::{TICK, Time};
 use sim_core::world::World;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
-use crate::course::{End, model};
+use crate::course::{EndPose, model};
 use crate::wide::Wide;
 
 pub const STUDY: Study =
@@ -114,7 +114,7 @@ impl Case {
     }
 
     /// Error of the simulator's final pose or of its odometry, whichever is larger, m.
-    fn error(&self, [truth, odometry]: &[End; 2], slot: Time) -> f64 {
+    fn error(&self, [truth, odometry]: &[EndPose; 2], slot: Time) -> f64 {
         let (pose, found_odometry) = self.by_core(slot);
         truth.distance(&pose).max(odometry.distance(&found_odometry))
     }
@@ -200,8 +200,8 @@ impl Case {
 }
 
 /// End poses of the robot and of its odometry, from the arcs of all intervals with 30 digits.
-fn ends(intervals: &[Interval]) -> [End; 2] {
-    let mut ends = [End::default(); 2];
+fn ends(intervals: &[Interval]) -> [EndPose; 2] {
+    let mut ends = [EndPose::default(); 2];
     for interval in intervals {
         // Durations are whole microseconds, which this conversion makes exact.
         let seconds = Wide::from((interval.seconds * 1e6).round()) / Wide::from(1e6);

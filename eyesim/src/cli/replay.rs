@@ -17,7 +17,7 @@ use sim_core::record::{Action, Digest, KindSet, Record};
 use sim_core::spec::{ObjectSpec, RobotSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt;
 use sim_host::executive::scheduler::{Progress, Scheduler};
 use sim_host::executive::script::Script;
@@ -198,7 +198,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     for (at, why) in script.refused() {
         say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
     }
-    if let End::Record(error) = &finished.ended.end {
+    if let EndReason::Record(error) = &finished.ended.end {
         bail!("the run cannot go on: {error}");
     }
     let comparison = comparison.lock();

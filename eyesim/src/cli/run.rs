@@ -19,7 +19,7 @@ use sim_core::spec::{ContactKind, Dialect, SceneSpec};
 use sim_core::time::Time;
 use sim_core::unit;
 use sim_format::Setting;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt;
 use sim_host::executive::load::DebugTarget;
 use sim_host::executive::program::Exec;
@@ -358,14 +358,14 @@ pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, remarks, .. } = finished;
     remarks.iter().for_each(say);
     match &ended.end {
-        End::Until if settings.is_until_default => {
+        EndReason::Until if settings.is_until_default => {
             say(format_args!(
                 "stopped after {} s of simulated time, since neither the scene nor --until says anything else",
                 settings.until.seconds()
             ));
         }
-        End::Record(error) => say(format_args!("error: {error}")),
-        End::Interrupted => say("interrupted"),
+        EndReason::Record(error) => say(format_args!("error: {error}")),
+        EndReason::Interrupted => say("interrupted"),
         _ => {}
     }
     /// Maximum number of robots listed.
@@ -430,8 +430,8 @@ fn view_command(report: &Report) -> Option<String> {
 fn exit_code(finished: &Finished) -> ExitCode {
     let Finished { ended, report, .. } = finished;
     match ended.end {
-        End::Interrupted => ExitCode::from(EXIT_INTERRUPTED),
-        End::Record(_) => ExitCode::from(EXIT_USAGE),
+        EndReason::Interrupted => ExitCode::from(EXIT_INTERRUPTED),
+        EndReason::Record(_) => ExitCode::from(EXIT_USAGE),
         _ if ended.robots.iter().any(|robot| robot.outcome.is_failure()) => ExitCode::from(EXIT_PROGRAM),
         _ if report.checks.iter().any(|check| !check.passed) => ExitCode::from(EXIT_PROGRAM),
         _ => ExitCode::SUCCESS,

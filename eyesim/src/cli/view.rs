@@ -13,7 +13,7 @@ use clap::Args;
 use parking_lot::Mutex;
 use sim_core::time::Time;
 use sim_format::print_current_scene;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::executive::program::Exec;
 use sim_host::files::DiskFiles;
@@ -243,7 +243,7 @@ impl Session {
                 requests.is_over = true;
                 std::mem::take(&mut requests.actions)
             }));
-            if matches!(finished_run.finished.ended.end, End::Broken) {
+            if matches!(finished_run.finished.ended.end, EndReason::Broken) {
                 // The broken program may have left locks of the C library in this process, so later programs get processes.
                 self.args.lock().exec = Exec::Process;
             }
@@ -425,12 +425,12 @@ fn end_text(finished_run: &FinishedRun) -> String {
 
 fn end_reason(finished_run: &FinishedRun) -> String {
     match &finished_run.finished.ended.end {
-        End::Finished => "all programs have ended".to_owned(),
-        End::Until => format!("its {} are over", finished_run.finished.ended.time),
-        End::Stuck => "every program waits for what cannot come".to_owned(),
-        End::Interrupted => "interrupted".to_owned(),
-        End::Broken | End::HeapLost => "a program broke".to_owned(),
-        End::Record(error) => error.to_string(),
+        EndReason::Finished => "all programs have ended".to_owned(),
+        EndReason::Until => format!("its {} are over", finished_run.finished.ended.time),
+        EndReason::Stuck => "every program waits for what cannot come".to_owned(),
+        EndReason::Interrupted => "interrupted".to_owned(),
+        EndReason::Broken | EndReason::HeapLost => "a program broke".to_owned(),
+        EndReason::Record(error) => error.to_string(),
     }
 }
 

@@ -43,7 +43,7 @@ enum SubmissionPart {
 pub fn read_all(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
     let mut groups: BTreeMap<String, (String, Vec<SubmissionPart>)> = BTreeMap::new();
     let mut ignored = Vec::new();
-    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, is_wanted) {
+    let mut add = |entry: FolderEntry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, is_wanted) {
         Some(Owner { key, name, file }) => groups.entry(key).or_insert((name, Vec::new())).1.push(part(&file)),
         None if is_junk(&entry.name) => {}
         None => ignored.push(entry.name),
@@ -54,13 +54,13 @@ pub fn read_all(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Submiss
             let entry = entry.map_err(error)?;
             let kind = entry.file_type().map_err(error)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            add(Entry { name, is_folder: kind.is_dir() }, &mut |file| {
+            add(FolderEntry { name, is_folder: kind.is_dir() }, &mut |file| {
                 SubmissionPart::Disk(entry.path(), file.to_owned())
             });
         }
     } else {
         for (name, (is_folder, mut files)) in entries_of_archive(path, is_wanted)? {
-            add(Entry { name, is_folder }, &mut |file| {
+            add(FolderEntry { name, is_folder }, &mut |file| {
                 let renamed = |(path, bytes): (String, Vec<u8>)| match path.split_once('/') {
                     Some((_, rest)) => (format!("{file}/{rest}"), bytes),
                     None => (file.to_owned(), bytes),
@@ -159,7 +159,7 @@ fn name_of(path: &Path) -> String {
 }
 
 /// Entry of the folder with all submissions.
-struct Entry {
+struct FolderEntry {
     name: String,
     is_folder: bool,
 }
@@ -178,7 +178,7 @@ struct Owner {
 ///
 /// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas (`name_LATE_123_456_file.c`, `file-1.c` for a
 /// second attempt) and Blackboard (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
-fn owner(entry: &Entry, is_wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
+fn owner(entry: &FolderEntry, is_wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
     let name = entry.name.as_str();
     if is_junk(name) || name.starts_with('.') {
         return None;
@@ -270,7 +270,7 @@ mod tests {
     #[track_caller]
     fn check(entry: &str, is_folder: bool, expected: Option<(&str, &str, &str)>) {
         let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
-        let found = owner(&Entry { name: entry.to_owned(), is_folder }, &is_wanted);
+        let found = owner(&FolderEntry { name: entry.to_owned(), is_folder }, &is_wanted);
         let found = found.as_ref().map(|owner| (owner.key.as_str(), owner.name.as_str(), owner.file.as_str()));
         assert_eq!(found, expected, "{entry}");
     }

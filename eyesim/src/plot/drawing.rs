@@ -19,7 +19,7 @@ pub struct Drawing {
     /// Labels, above all shapes.
     pub labels: Vec<Label>,
     /// Meanings of the shapes.
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
     /// Opposite corners of the area that must be visible.
     extent: Option<(DVec2, DVec2)>,
 }
@@ -112,7 +112,7 @@ pub struct Label {
 
 /// A line of the legend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     /// The symbol.
     pub symbol: Symbol,
     /// Its meaning.
@@ -170,7 +170,7 @@ impl Drawing {
 
     /// Adds a line to the legend, unless it is there already.
     pub fn add_legend(&mut self, symbol: Symbol, text: impl Into<String>) {
-        let entry = Entry { symbol, text: text.into() };
+        let entry = LegendEntry { symbol, text: text.into() };
         if !self.legend.contains(&entry) {
             self.legend.push(entry);
         }

@@ -13,7 +13,7 @@ use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record};
 use sim_core::time::Time;
 use sim_format::suite::check_of_suite;
 use sim_format::{Diagnostic, Severity};
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::fork::processor_seconds;
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::scheduler;
@@ -342,8 +342,8 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         _ if let Some(limit) = limit => {
             (RowOutcome::Failed, format!("the case has used {limit} s of processor time (`processor_s` of `[limits]`)"))
         }
-        End::Interrupted => (RowOutcome::Interrupted, "interrupted".to_owned()),
-        End::Record(error) => (RowOutcome::Error, error.to_string()),
+        EndReason::Interrupted => (RowOutcome::Interrupted, "interrupted".to_owned()),
+        EndReason::Record(error) => (RowOutcome::Error, error.to_string()),
         _ if let (Some(_), Some(message)) = (broken_check, &check_message) => (RowOutcome::Error, message.clone()),
         _ => match (robot_message, check_message) {
             (Some(message), _) | (None, Some(message)) => (RowOutcome::Failed, message),

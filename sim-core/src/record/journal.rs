@@ -36,7 +36,7 @@ pub(super) struct SlotEvents {
     events: Vec<u8>,
     /// Canonical form of the notes.
     notes: Vec<u8>,
-    entries: Vec<Entry>,
+    entries: Vec<EventPosition>,
     first_sequence: u64,
     pub(super) kinds: KindSet,
 }
@@ -55,7 +55,7 @@ pub(crate) enum EndedJournal {
 
 /// Position of an event in [`SlotEvents`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(super) struct EventPosition {
     pub(super) time: Time,
     start: usize,
     sequence: u32,
@@ -115,7 +115,7 @@ impl Journal {
         event.write(bytes);
         let sequence = (self.next_sequence - self.slot.first_sequence) as u32;
         self.next_sequence += u64::from(!kind.is_note());
-        self.slot.entries.push(Entry { time, start, sequence, kind });
+        self.slot.entries.push(EventPosition { time, start, sequence, kind });
         self.slot.kinds = self.slot.kinds.union(kind.set());
     }
 
@@ -222,7 +222,7 @@ impl SlotEvents {
     }
 
     /// Positions of the events, in the order of recording.
-    pub(super) fn entries(&self) -> &[Entry] {
+    pub(super) fn entries(&self) -> &[EventPosition] {
         &self.entries
     }
 
@@ -230,7 +230,7 @@ impl SlotEvents {
     ///
     /// # Panics
     /// If the bytes are not those that [`Journal::record`] wrote: a bug in this module.
-    pub(super) fn decode(&self, robot: RobotId, entry: &Entry) -> Record<'_> {
+    pub(super) fn decode(&self, robot: RobotId, entry: &EventPosition) -> Record<'_> {
         let is_note = entry.kind.is_note();
         let bytes = if is_note { &self.notes } else { &self.events };
         let ((_, event), _): ((i64, Event<'_>), _) =

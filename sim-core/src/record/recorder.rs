@@ -2,7 +2,7 @@
 
 use super::digest::{Digest, RunDigest};
 use super::event::{KindSet, Record};
-use super::journal::{EndedJournal, Entry, Journal, SlotEvents};
+use super::journal::{EndedJournal, EventPosition, Journal, SlotEvents};
 use crate::RobotId;
 use crate::time::Time;
 
@@ -60,8 +60,8 @@ impl Recorder {
         let (robot, events) = &mut self.collected[self.used];
         *robot = journal.robot();
         journal.take_slot(events);
-        let is_of_interest = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
-        let merged_entry = |(index, entry): (usize, &Entry)| MergedEntry {
+        let is_of_interest = |(_, entry): &(usize, &EventPosition)| self.interest.contains(entry.kind);
+        let merged_entry = |(index, entry): (usize, &EventPosition)| MergedEntry {
             time: entry.time,
             robot_index: self.used as u32,
             entry: index as u32,

@@ -121,14 +121,14 @@ impl MapSpec {
 }
 
 /// A key with its values: a single value, or the values of a list.
-struct Entry<'t> {
+struct KeyValues<'t> {
     key: Word<'t>,
     values: Vec<Word<'t>>,
 }
 
 /// The keys of a text in order; a later key replaces an earlier one of the same name.
-fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
-    let mut entries: BTreeMap<&str, Entry<'_>> = BTreeMap::new();
+fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, KeyValues<'t>> {
+    let mut entries: BTreeMap<&str, KeyValues<'_>> = BTreeMap::new();
     // The key whose values may follow on further lines, and true if they are between brackets.
     let mut open_key: Option<(&str, bool)> = None;
     for line in line::lines(text) {
@@ -171,7 +171,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
             let message = format!("a second `{}`; it replaces the first", key.text);
             sink.warn(Code::MapKey, key.span, message, "each key once");
         }
-        entries.insert(key.text, Entry { key, values });
+        entries.insert(key.text, KeyValues { key, values });
     }
     entries
 }
@@ -240,7 +240,7 @@ fn scalars<'t>(line: &Line<'t>, content: &'t str, from: usize) -> Vec<Word<'t>> 
 }
 
 struct Values<'t, 's> {
-    entries: BTreeMap<&'t str, Entry<'t>>,
+    entries: BTreeMap<&'t str, KeyValues<'t>>,
     sink: &'s mut Sink,
 }
 

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use self::mtl::Entry;
+use self::mtl::MtlMaterial;
 use self::obj::Obj;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::load::Loader;
@@ -131,7 +131,7 @@ impl<'a> MeshReader<'a> {
 
     /// Materials of the faces, in the order of their numbers.
     fn read_materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
-        let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
+        let mut entries: BTreeMap<String, MtlMaterial> = BTreeMap::new();
         // Material file of each entry. The reference to the entry's image is relative to this file.
         let mut material_files: BTreeMap<String, String> = BTreeMap::new();
         let mut is_complete = true;

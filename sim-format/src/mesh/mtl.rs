@@ -28,16 +28,16 @@ const OPTIONS: [(&str, usize); 10] = [
 
 /// Material, with a reference to an image that is not yet read.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
+pub(super) struct MtlMaterial {
     pub(super) material: Material,
     pub(super) image: Option<SpannedText>,
 }
 
 /// Reads all materials of a file, by name; of materials with the same name, the first is used.
-pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
+pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, MtlMaterial>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
     let mut mistakes = Mistakes::new(file);
-    let mut current: Option<Entry> = None;
+    let mut current: Option<MtlMaterial> = None;
     for line in lines(text) {
         let (keyword, rest) = split_word(line.text.trim());
         if keyword == "newmtl" {
@@ -47,7 +47,8 @@ pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<
                 mistakes.warn(Code::MeshSize, &line, "a smaller file", message);
                 break;
             }
-            current = Some(Entry { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
+            current =
+                Some(MtlMaterial { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
         } else if let Some(entry) = &mut current {
             read_line(entry, &line, keyword, rest, &mut mistakes);
         }
@@ -56,13 +57,13 @@ pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<
     (entries, mistakes.finish())
 }
 
-fn add_entry(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
+fn add_entry(entries: &mut BTreeMap<String, MtlMaterial>, entry: Option<MtlMaterial>) {
     if let Some(entry) = entry {
         entries.entry(entry.material.name.clone()).or_insert(entry);
     }
 }
 
-fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, mistakes: &mut Mistakes) {
+fn read_line(entry: &mut MtlMaterial, line: &Line<'_>, keyword: &str, rest: &str, mistakes: &mut Mistakes) {
     let fraction = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite()).map(|x| x.clamp(0.0, 1.0));
     let opacity = match keyword {
         "Kd" => {
@@ -122,7 +123,7 @@ fn without_options(mut rest: &str) -> &str {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> BTreeMap<String, Entry> {
+    fn read(text: &str) -> BTreeMap<String, MtlMaterial> {
         let (entries, diagnostics) = read_mtl("a.mtl", text);
         assert_eq!(diagnostics, [], "{text}");
         entries

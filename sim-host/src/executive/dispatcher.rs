@@ -64,7 +64,7 @@ pub struct Dispatcher {
     is_intervention_pending: bool,
     /// Sinks of the record.
     sinks: Sinks<'static>,
-    end: Option<End>,
+    end: Option<EndReason>,
     /// Allocation that lists of references reuse from slot to slot.
     spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
@@ -149,7 +149,7 @@ struct Wake {
 
 /// Reason for the end of a run.
 #[derive(Debug)]
-pub enum End {
+pub enum EndReason {
     /// Every program has ended, or there is none.
     Finished,
     /// The run reached the time limit that the user set.
@@ -265,7 +265,7 @@ impl Dispatcher {
 
     /// Ends the run after the current slot. An earlier reason for the end is kept; only a record that cannot be written
     /// overrides it.
-    pub fn end_with(&mut self, end: End) {
+    pub fn end_with(&mut self, end: EndReason) {
         self.end.get_or_insert(end);
     }
 
@@ -350,10 +350,10 @@ impl Dispatcher {
     pub fn close(&mut self, run: &Run) {
         let next = self.next_start(&run.environment.read());
         self.end_with(match next {
-            Some(start) if start < self.limit => End::Interrupted,
-            _ if self.alive == 0 => End::Finished,
-            Some(_) => End::Until,
-            None => End::Stuck,
+            Some(start) if start < self.limit => EndReason::Interrupted,
+            _ if self.alive == 0 => EndReason::Finished,
+            Some(_) => EndReason::Until,
+            None => EndReason::Stuck,
         });
         while !self.is_over() {
             self.finish_slot(run, None);
@@ -375,14 +375,14 @@ impl Dispatcher {
     /// Simulated time at the end of the run: the end of the last slot, or the user's time limit if it ended the run.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
-            Some(End::Until) => world.slot_start().max(self.limit),
+            Some(EndReason::Until) => world.slot_start().max(self.limit),
             _ => world.slot_start(),
         }
     }
 
     /// Takes the reason for the end of the run; called once, at the very end.
-    pub fn take_end(&mut self) -> End {
-        self.end.take().unwrap_or(End::Finished)
+    pub fn take_end(&mut self) -> EndReason {
+        self.end.take().unwrap_or(EndReason::Finished)
     }
 
     /// Removes `robot` from its worker; returns true if it was released there.
@@ -486,10 +486,10 @@ impl Dispatcher {
     fn finish_slot(&mut self, run: &Run, deadline: Option<Instant>) {
         let mut environment = run.environment.write();
         if let Err(error) = self.end_slot(run, &mut environment) {
-            self.end = Some(End::Record(error));
+            self.end = Some(EndReason::Record(error));
         }
         if run.interrupt().is_set() {
-            self.end_with(End::Interrupted);
+            self.end_with(EndReason::Interrupted);
         }
         if self.end.is_some() {
             return;
@@ -554,7 +554,7 @@ impl Dispatcher {
             }
         }
         if effect.ends_run {
-            self.end_with(End::Interrupted);
+            self.end_with(EndReason::Interrupted);
         }
     }
 

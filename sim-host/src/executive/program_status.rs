@@ -3,7 +3,7 @@
 use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
-use super::dispatcher::End;
+use super::dispatcher::EndReason;
 use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW, WILD};
 use super::process::CodeLocation;
 use super::program::RobotProgram;
@@ -69,7 +69,7 @@ pub struct BreakReport {
 /// End of a run, as far as it matters to the status of every robot.
 pub struct RunEnd<'a> {
     /// Reason for the end of the run.
-    pub end: &'a End,
+    pub end: &'a EndReason,
     /// Simulated time at its end.
     pub time: Time,
     /// Number of robots.
@@ -148,22 +148,22 @@ pub fn judge(
             let words = reason::explain(reason, |line| program.text_of(line));
             status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
         }
-        _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_all_waiting() => {
+        _ if matches!(run_end.end, EndReason::Stuck) && robot.tasks.are_all_waiting() => {
             status(Outcome::Waiting, Some(describe_waits(robot, program, run_end)))
         }
         // A wait that has just begun is not worth a report: every loop with a pause has one.
-        _ if matches!(run_end.end, End::Until) && robot.tasks.have_all_waited_since(run_end.time - LONG_WAIT) => {
+        _ if matches!(run_end.end, EndReason::Until) && robot.tasks.have_all_waited_since(run_end.time - LONG_WAIT) => {
             status(Outcome::Running, Some(describe_waits(robot, program, run_end)))
         }
         _ => match run_end.end {
-            End::Interrupted => status(Outcome::Interrupted, None),
-            End::Broken => status(Outcome::Interrupted, Some("another robot's program broke".into())),
-            End::HeapLost => {
+            EndReason::Interrupted => status(Outcome::Interrupted, None),
+            EndReason::Broken => status(Outcome::Interrupted, Some("another robot's program broke".into())),
+            EndReason::HeapLost => {
                 let reason = "a program of another run in this process broke within the heap of the C library";
                 status(Outcome::Interrupted, Some(reason.into()))
             }
-            End::Record(_) => status(Outcome::Interrupted, Some("the record could not be written".into())),
-            End::Until | End::Stuck | End::Finished => status(Outcome::Running, None),
+            EndReason::Record(_) => status(Outcome::Interrupted, Some("the record could not be written".into())),
+            EndReason::Until | EndReason::Stuck | EndReason::Finished => status(Outcome::Running, None),
         },
     }
 }

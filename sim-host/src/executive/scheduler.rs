@@ -13,7 +13,7 @@ use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
 
 use super::Executor;
-use super::dispatcher::{Boundary, End};
+use super::dispatcher::{Boundary, EndReason};
 use super::fault::Broken;
 use super::interrupt::{self, Interrupt};
 use super::intervene::Refusal;
@@ -125,7 +125,7 @@ pub struct Limits {
 /// Results of a run.
 pub struct Ended {
     /// Reason for the end.
-    pub end: End,
+    pub end: EndReason,
     /// Simulated time at the end.
     pub time: Time,
     /// Wall-clock time that the run took.
@@ -319,7 +319,7 @@ impl Scheduler {
 
     /// Ends the paused run at its position, as an interrupt by the user does.
     pub fn interrupt(&mut self) {
-        self.run.dispatcher.lock().end_with(End::Interrupted);
+        self.run.dispatcher.lock().end_with(EndReason::Interrupted);
     }
 
     /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more before its limit
@@ -362,7 +362,7 @@ impl Scheduler {
             }
             let mut timeout = self.timeout;
             if self.run.interrupt().is_set() {
-                dispatcher.end_with(End::Interrupted);
+                dispatcher.end_with(EndReason::Interrupted);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
                 if interrupted_at.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
                     // The user waits, possibly while many programs compute or the machine is loaded.
@@ -371,7 +371,7 @@ impl Scheduler {
                 }
             }
             if self.run.executor().must_end() {
-                dispatcher.end_with(End::HeapLost);
+                dispatcher.end_with(EndReason::HeapLost);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
             }
             if last_check.elapsed() >= POLL_INTERVAL {
@@ -415,7 +415,7 @@ impl Scheduler {
                 broken
             };
             self.broken.push((id, broken));
-            run.dispatcher.lock().end_with(End::Broken);
+            run.dispatcher.lock().end_with(EndReason::Broken);
         }
         // The thread of a program that has ended may still fault in a destructor of a thread-local.
         if !run.dispatcher.lock().has_departed(id) {
@@ -521,7 +521,7 @@ impl Scheduler {
         let end = dispatcher.take_end();
         let senders = PossibleSenders::among(run.ids_with_program().map(|id| run.robot(id)));
         let run_end = RunEnd { end: &end, time, robots: run.robot_count(), senders };
-        let is_settled = matches!(end, End::Finished | End::Stuck) && !environment.is_robot_moving();
+        let is_settled = matches!(end, EndReason::Finished | EndReason::Stuck) && !environment.is_robot_moving();
         environment.finish_monitor(time, is_settled);
         environment.finish(time);
         let mut robots = Vec::with_capacity(run.robot_count());
@@ -557,7 +557,7 @@ impl Scheduler {
             });
         }
         let (digest, completed) = dispatcher.sinks().finish_record(environment.recorder(), time);
-        let end = completed.map_or_else(End::Record, |()| end);
+        let end = completed.map_or_else(EndReason::Record, |()| end);
         let world = &environment.world;
         let objects =
             (0..world.object_count()).map(|index| world.object_pose(ObjectId::from_index(index), time)).collect();

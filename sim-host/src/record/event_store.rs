@@ -50,7 +50,7 @@ pub struct EventStore {
 
 /// A stored record.
 #[derive(Serialize, Deserialize)]
-enum Entry<'a> {
+enum StoredRecord<'a> {
     Event {
         time: i64,
         robot: u32,
@@ -101,11 +101,11 @@ impl EventStore {
             let (entry, remaining) = postcard::take_from_bytes(rest).map_err(io::Error::other)?;
             rest = remaining;
             match entry {
-                Entry::Event { time, robot, sequence, event } => {
+                StoredRecord::Event { time, robot, sequence, event } => {
                     trace.record(&Record { time: Time(time), robot: RobotId(robot), sequence, event })?;
                 }
-                Entry::Slot { end, digest } => trace.end_slot(Time(end), Some(Digest(digest)))?,
-                Entry::End { end, digest } => trace.finish(Time(end), Digest(digest))?,
+                StoredRecord::Slot { end, digest } => trace.end_slot(Time(end), Some(Digest(digest)))?,
+                StoredRecord::End { end, digest } => trace.finish(Time(end), Digest(digest))?,
             }
         }
         // Flushes the lines since the last slot's end.
@@ -114,7 +114,7 @@ impl EventStore {
         Ok(std::mem::take(&mut *lines.lock()))
     }
 
-    fn store(&mut self, entry: &Entry<'_>) {
+    fn store(&mut self, entry: &StoredRecord<'_>) {
         if self.failure.is_some() {
             return;
         }
@@ -151,19 +151,19 @@ impl Sink for EventStore {
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         let Record { time, robot, sequence, event } = *record;
-        self.store(&Entry::Event { time: time.0, robot: robot.0, sequence, event });
+        self.store(&StoredRecord::Event { time: time.0, robot: robot.0, sequence, event });
         Ok(())
     }
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if let Some(Digest(digest)) = digest {
-            self.store(&Entry::Slot { end: end.0, digest });
+            self.store(&StoredRecord::Slot { end: end.0, digest });
         }
         Ok(())
     }
 
     fn finish(&mut self, end: Time, Digest(digest): Digest) -> Result<(), RecordError> {
-        self.store(&Entry::End { end: end.0, digest });
+        self.store(&StoredRecord::End { end: end.0, digest });
         Ok(())
     }
 }

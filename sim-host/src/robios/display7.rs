@@ -14,7 +14,7 @@ use super::robot::Robot;
 use super::screen::canvas::{Canvas, Rgb, WHITE, code, rgb};
 use super::screen::font::{Family, Size, Variation};
 use super::screen::list::ListLine;
-use super::screen::menu::Entry;
+use super::screen::menu::MenuLabel;
 use super::text;
 use sim_core::record::Event;
 
@@ -166,7 +166,8 @@ fn set_menu_text(robot: &mut Robot, index: usize, characters: &[u8]) {
 /// `LCDListLine`
 pub fn set_list_line(robot: &mut Robot, [index, key]: [i32; 2], characters: Option<&[u8]>, colours: [i32; 2]) -> i32 {
     let [ink, paper] = colours.map(rgb);
-    let line = characters.map(text).map(|text| ListLine { entry: Entry { text: text.into_owned(), ink, paper }, key });
+    let line =
+        characters.map(text).map(|text| ListLine { entry: MenuLabel { text: text.into_owned(), ink, paper }, key });
     let text = line.as_ref().map(|line| line.entry.text.clone());
     let is_set = usize::try_from(index).is_ok_and(|index| robot.screen().set_list_line(index, line));
     if !is_set {

@@ -14,7 +14,7 @@ use crate::course::model;
 use crate::world::Random;
 
 /// Bodies after the last step, and the maximum depth of the second of two objects in a wall at x = 0, m.
-pub type End = (Bodies, f64);
+pub type EndState = (Bodies, f64);
 
 /// Objects with velocities among walls, and a robot that may push them.
 pub struct Trial {
@@ -37,7 +37,7 @@ pub struct Push {
 /// A trial whose exact end is known.
 pub struct Case {
     pub trial: Trial,
-    error_of_end: Box<dyn Fn(&End) -> f64>,
+    error_of_end: Box<dyn Fn(&EndState) -> f64>,
 }
 
 impl Case {
@@ -69,7 +69,7 @@ const START_DELAY: f64 = 2.637e-3;
 
 impl Trial {
     /// Runs the trial in steps of `step`.
-    pub fn run(&self, step: Time) -> End {
+    pub fn run(&self, step: Time) -> EndState {
         let mut bodies = Bodies::new(&Walls::new(self.walls.clone()), self.objects.clone());
         bodies.set_step(step);
         for (index, (velocity, omega)) in self.velocities.iter().enumerate() {
@@ -174,7 +174,7 @@ fn sliding_and_turning() -> Case {
     let (distance, angle) = slide_and_turn(1.0, 20.0, 0.1, 0.4);
     let properties = disc(0.1, 0.5, Resistance::Sliding(0.4), 0.5);
     let trial = single_object("a disc slides and turns to rest", properties, (DVec2::X, 20.0), 1.0);
-    let error = move |(bodies, _): &End| {
+    let error = move |(bodies, _): &EndState| {
         let pose = bodies.state(ObjectId(1)).world_from_object;
         let angle_error = pose.heading.radians() / angle - 1.0;
         ((pose.position - DVec2::new(distance, 0.0)).length() / distance).max(angle_error.abs())
@@ -211,7 +211,7 @@ fn rough_wall(restitution: f64, delay: f64) -> Case {
     let properties = object(Shape::Disc { radius: RADIUS }, 0.5, FREE, restitution, friction);
     let name = if restitution > 0.0 { "a rough wall, restitution 0.5" } else { "a rough wall, inelastic" };
     let trial = Trial { walls: wall(gap + RADIUS), ..single_object(name, properties, (start, 0.0), seconds) };
-    let error = move |(bodies, _): &End| {
+    let error = move |(bodies, _): &EndState| {
         let state = bodies.state(ObjectId(1));
         let velocity_error = (state.velocity - velocity_after).length().max((state.omega - omega).abs() * RADIUS);
         let position_error = (state.world_from_object.position - end).length();
@@ -255,7 +255,7 @@ fn pushed_crate(delay: f64) -> Case {
         velocities: vec![],
         pusher: Some(Push { speed, until }),
     };
-    let error = move |(bodies, _): &End| (position(bodies, 0) - DVec2::new(end, 0.0)).length() / (end - start);
+    let error = move |(bodies, _): &EndState| (position(bodies, 0) - DVec2::new(end, 0.0)).length() / (end - start);
     Case { trial, error_of_end: Box::new(error) }
 }
 

@@ -96,7 +96,7 @@ mod tests {
                 assert!(text.is_some_and(|text| text.contains("xample")), "{name}: {word}");
             }
         }
-        assert!(hover(&document("/a.wld", "0 0 1 1"), 2).is_some_and(|text| text.contains("middle line")));
+        assert!(hover(&document("/a.wld", "0 0 1 1"), 2).is_some_and(|text| text.contains("centre line")));
         assert_eq!(hover(&document("/a.wld", "ush 0 0"), 2), None);
     }
 

@@ -18,8 +18,9 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
             (schema.table_schemas(&path), key)
         }
         CursorPosition::Key(table, before) => {
-            let is_at_cursor =
-                |entry: &&super::toml_cursor::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
+            let is_at_cursor = |entry: &&super::toml_cursor::TableEntry| {
+                entry.key_bytes.start <= offset && offset <= entry.key_bytes.end
+            };
             let key = table.entries.iter().find(is_at_cursor)?.key.get(before.len())?.clone();
             (schema.table_schemas_of(table, &before, &document.text), key)
         }

@@ -9,12 +9,12 @@ pub struct Table {
     pub path: Vec<String>,
     /// Bytes of the keys and values of the table.
     pub body: Range<usize>,
-    pub entries: Vec<Entry>,
+    pub entries: Vec<TableEntry>,
 }
 
 /// A key and its value.
 #[derive(Debug, PartialEq)]
-pub struct Entry {
+pub struct TableEntry {
     /// The key; several parts if it is dotted.
     pub key: Vec<String>,
     pub key_bytes: Range<usize>,
@@ -30,7 +30,7 @@ pub enum CursorPosition<'t> {
     /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
     Key(&'t Table, Vec<String>),
     /// In the value of an entry of the table.
-    Value(&'t Table, &'t Entry),
+    Value(&'t Table, &'t TableEntry),
 }
 
 /// The tables of a text, and the bytes of its headers with the keys in them.
@@ -143,7 +143,7 @@ impl Scanner<'_> {
             move |character| character == '=' || character == '\n' || is_inline && matches!(character, ',' | '}');
         self.skip(|character| !is_end(character));
         let key = keys(&self.text[start..self.position]);
-        let mut entry = Entry { key, key_bytes: start..self.position, value: None };
+        let mut entry = TableEntry { key, key_bytes: start..self.position, value: None };
         if self.peek() == Some('=') {
             self.position += 1;
             let value_start = self.position;

@@ -20,7 +20,7 @@ pub(super) struct Frame {
 }
 
 /// Start of the traversal of a ray.
-pub(super) struct Entry {
+pub(super) struct RayEntry {
     /// Distance from the ray's origin, m.
     pub distance: f64,
     /// Starting point in the mesh's frame, within or next to the mesh's bounds.
@@ -51,12 +51,12 @@ impl Frame {
 
     /// Point at which the ray enters the bounds; its origin if that lies within the bounds. `None` if the ray misses the
     /// bounds or ends before them. `reciprocal` is the reciprocal of the direction.
-    pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
+    pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<RayEntry> {
         let offset = origin - self.centre;
         // The second term exceeds the rounding of the computations below.
         let half_extents = self.half_extents + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
         if offset.abs().cmple(half_extents).all() {
-            return Some(Entry { distance: 0.0, origin });
+            return Some(RayEntry { distance: 0.0, origin });
         }
         let (to_low, to_high) = ((-half_extents - offset) * reciprocal, (half_extents - offset) * reciprocal);
         let (mut near, mut far) = (0.0_f64, range);
@@ -69,6 +69,6 @@ impl Frame {
             }
         }
         let origin = || self.centre + (offset + near * direction).clamp(-half_extents, half_extents);
-        (near <= far).then(|| Entry { distance: near, origin: origin() })
+        (near <= far).then(|| RayEntry { distance: near, origin: origin() })
     }
 }

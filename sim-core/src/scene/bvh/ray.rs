@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::frame::{Entry, Frame};
+use super::frame::{Frame, RayEntry};
 
 /// A ray and its nearest hit so far.
 pub(super) struct Ray {
@@ -67,7 +67,7 @@ impl Corner {
 }
 
 impl Ray {
-    pub fn new(entry: &Entry, direction: DVec3, reciprocal: DVec3, range: f64, frame: &Frame) -> Self {
+    pub fn new(entry: &RayEntry, direction: DVec3, reciprocal: DVec3, range: f64, frame: &Frame) -> Self {
         let [x, y, z] = direction.abs().to_array();
         let last = if x > y && x > z {
             0

@@ -2,7 +2,7 @@
 
 use super::canvas::{BLACK, Canvas, Ink};
 use super::font::{Family, Font, Size, Variation};
-use super::menu::{self, Entry};
+use super::menu::{self, MenuLabel};
 use super::page::draw_glyph;
 
 /// Height of a line in pixels: two rows of text of size 12.
@@ -17,7 +17,7 @@ const FONT: Font = Font { family: Family::Helvetica, variation: Variation::Norma
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ListLine {
     /// Text and colours.
-    pub entry: Entry,
+    pub entry: MenuLabel,
     /// Code of the line's key; 0 for none.
     pub key: i32,
 }

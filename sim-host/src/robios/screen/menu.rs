@@ -10,9 +10,9 @@ pub const HEIGHT: u16 = 32;
 /// Number of keys.
 pub const KEYS: usize = 4;
 
-/// One key.
+/// Text and colours of a menu key or of a line of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct MenuLabel {
     /// Label; `\n` separates its lines.
     pub text: String,
     /// Colour of the text.
@@ -25,8 +25,8 @@ pub struct Entry {
 const PAPERS: [Rgb; KEYS] = [[0xff, 0, 0], [0, 0xff, 0], [0xff, 0xff, 0], [0x40, 0x80, 0xff]];
 
 /// Entries of a menu without texts.
-pub fn entries() -> [Entry; KEYS] {
-    PAPERS.map(|paper| Entry { text: String::new(), ink: BLACK, paper })
+pub fn entries() -> [MenuLabel; KEYS] {
+    PAPERS.map(|paper| MenuLabel { text: String::new(), ink: BLACK, paper })
 }
 
 /// Columns of key `index` on a display of `width` pixels: its first column and the next key's first column.
@@ -35,7 +35,7 @@ pub fn columns(index: usize, width: usize) -> [usize; 2] {
 }
 
 /// Draws the menu at the lower edge.
-pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
+pub fn draw(entries: &[MenuLabel; KEYS], canvas: &mut Canvas) {
     let [width, height] = canvas.size();
     let top = height.saturating_sub(HEIGHT.into()) as i32;
     let bottom = height as i32 - 1;
@@ -49,7 +49,7 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
 
 /// Draws a key's text in the middle of its field. In the normal size, the text is split into two lines if necessary. If
 /// it does not fit, it is drawn in the smallest size and cut.
-fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
+fn draw_label(entry: &MenuLabel, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
     let text_width = |line: &str, font: Font| -> i32 { line.chars().map(|c| i32::from(font.advance(c))).sum() };

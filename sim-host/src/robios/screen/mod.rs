@@ -14,7 +14,7 @@ mod tests;
 use canvas::{Canvas, Ink, Rgb, WHITE, inverse};
 use font::{Family, Font, Size, Variation};
 use list::ListLine;
-use menu::Entry;
+use menu::MenuLabel;
 use page::{Cell, Page};
 
 /// Default width and height in pixels: the window of EyeSim VR.
@@ -72,7 +72,7 @@ pub struct Screen {
 #[derive(Clone, Debug)]
 struct Content {
     page: Page,
-    entries: [Entry; menu::KEYS],
+    entries: [MenuLabel; menu::KEYS],
     has_menu: bool,
     list: Vec<ListLine>,
     has_list: bool,

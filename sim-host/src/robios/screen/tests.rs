@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use super::canvas::{BLACK, Canvas, Ink, Rgb, WHITE, code, rgb};
 use super::font::{Family, Font, Size, Variation};
 use super::list::ListLine;
-use super::menu::Entry;
+use super::menu::MenuLabel;
 use super::*;
 
 const RED: Rgb = [255, 0, 0];
@@ -307,7 +307,7 @@ fn a_touch_of_a_menu_field_presses_its_key() {
 
 #[test]
 fn a_list_covers_the_text_and_its_lines_are_keys() {
-    let line = |text: &str, key| Some(ListLine { entry: Entry { text: text.into(), ink: WHITE, paper: RED }, key });
+    let line = |text: &str, key| Some(ListLine { entry: MenuLabel { text: text.into(), ink: WHITE, paper: RED }, key });
     let mut screen = written("below");
     assert!(!screen.set_list_line(1, line("no line above", 1)));
     assert!(screen.set_list_line(0, line("title", 7)) && screen.set_list_line(1, line("one", 16)));

@@ -41,7 +41,7 @@ pub enum NextTask {
 pub struct Scheduler {
     policy: Policy,
     /// All tasks, in order of their numbers.
-    entries: Vec<Entry>,
+    entries: Vec<TaskEntry>,
     /// Ready tasks without the processor, by priority; first come, first served.
     queues: [VecDeque<u32>; LEVELS],
     /// Task that has the processor; `None` if none is ready.
@@ -51,7 +51,7 @@ pub struct Scheduler {
 }
 
 #[derive(Clone, Debug)]
-struct Entry {
+struct TaskEntry {
     number: u32,
     priority: usize,
     is_suspended: bool,
@@ -72,7 +72,7 @@ enum Activity {
 impl Scheduler {
     /// The processor from `now` on, with one task that owns it.
     pub fn new(policy: Policy, main: u32, priority: usize, now: Time) -> Self {
-        let main_entry = Entry { number: main, priority, is_suspended: false, activity: Activity::Run };
+        let main_entry = TaskEntry { number: main, priority, is_suspended: false, activity: Activity::Run };
         Self {
             policy,
             entries: vec![main_entry],
@@ -97,7 +97,7 @@ impl Scheduler {
 
     /// Adds a suspended task; its number must be higher than all previous numbers.
     pub fn add(&mut self, number: u32, priority: usize) {
-        self.entries.push(Entry {
+        self.entries.push(TaskEntry {
             number,
             priority: priority.min(LEVELS - 1),
             is_suspended: true,
@@ -250,7 +250,7 @@ impl Scheduler {
 
     /// Earliest time at which a task of at least this priority becomes ready by itself.
     fn earliest_ready(&self, priority: usize) -> Time {
-        let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(Entry::ready_at);
+        let wakes = self.entries.iter().filter(|entry| entry.priority >= priority).map(TaskEntry::ready_at);
         wakes.min().unwrap_or(Time::NEVER)
     }
 
@@ -337,7 +337,7 @@ impl Scheduler {
     }
 
     /// Changes the state of a task, and updates owner and queues if its readiness changes.
-    fn change(&mut self, number: u32, change: impl FnOnce(&mut Entry)) {
+    fn change(&mut self, number: u32, change: impl FnOnce(&mut TaskEntry)) {
         let Some(index) = self.index(number) else { return };
         let entry = &mut self.entries[index];
         let was_ready = entry.is_ready();
@@ -364,7 +364,7 @@ impl Scheduler {
     }
 }
 
-impl Entry {
+impl TaskEntry {
     fn is_ready(&self) -> bool {
         !self.is_suspended && !matches!(self.activity, Activity::Block(_))
     }
