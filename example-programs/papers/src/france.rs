@@ -3,6 +3,7 @@
 //! The biped walks through a dining room towards a small obstacle, once with each sensor at each place, without noise and with
 //! that of section 5. Its program computes the profile of the ground; this module compares the profile with the truth.
 
+pub mod floors;
 mod side;
 mod walk;
 

@@ -143,8 +143,8 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         _ => return Err(USAGE.into()),
     };
     let sensor = Sensor::of_words(place, kind).ok_or(USAGE)?;
-    let speed: f64 = speed.parse().map_err(|_| USAGE)?;
-    let blind_way: Option<f64> = blind_way.map(str::parse).transpose().map_err(|_| USAGE)?;
+    let speed: f64 = speed.parse().ok().ok_or(USAGE)?;
+    let blind_way: Option<f64> = blind_way.map(|way| way.parse().ok().ok_or(USAGE)).transpose()?;
     let legs = robot.legs()?;
     let psd = robot.psd(sensor.at)?;
     legs.set_speed(Speed::millimetres_per_second(speed), Speed::ZERO, TurnRate::ZERO)?;
@@ -214,7 +214,11 @@ mod tests {
         let leg = move |_: &_| FakeLeg { links: vec![LinkPose::default(), shank], ..FakeLeg::default() };
         let mount = Sensor::of_words("tibia", "laser").expect("a sensor").mount;
         Fake::new().leg(leg).leg(leg).body_height(|_| Length::ZERO).psd(PsdAt::Other(2), move |now| {
-            let bearer = Bearer { robot: Position { x: now.position.x, ..Position::default() }, height: Length::ZERO, link: shank };
+            let bearer = Bearer {
+                robot: Position { x: now.position.x, ..Position::default() },
+                height: Length::ZERO,
+                link: shank,
+            };
             let [from_x, _, from_z] = bearer.met(&mount, Length::ZERO);
             let to_floor = from_z / 15.degrees().sin();
             let to_step = (1.5.metres() - from_x) / 15.degrees().cos();
