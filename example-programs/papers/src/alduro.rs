@@ -9,6 +9,7 @@ mod ridge;
 mod survey;
 mod walk;
 
+pub(crate) use self::comparison::in_pairs;
 use crate::page::Page;
 use crate::run::Job;
 

@@ -4,6 +4,7 @@
 //! none, or that of section 5. Its program computes the profile of the ground. This module compares the profile with
 //! the truth.
 
+pub mod floors;
 mod side;
 mod walk;
 

@@ -52,6 +52,8 @@ enum Choice {
     Eyesim,
     /// France et al. 1999: proximity sensors on a walking robot
     France,
+    /// France et al. 1999: number and place of sensors over holes, stairs and uneven floor
+    Floors,
     /// Gois and Hiller: walks of ALDURO by a map from sonar
     Alduro,
     /// Gois and Hiller: comparison of maps from sonar
@@ -70,9 +72,10 @@ type Reproduce = fn(&Job, Option<usize>) -> anyhow::Result<Page>;
 
 impl Choice {
     fn papers(self) -> Vec<(&'static str, Reproduce)> {
-        let all: [(Self, &str, Reproduce); 7] = [
+        let all: [(Self, &str, Reproduce); 8] = [
             (Self::Eyesim, "eyesim", |job, _| eyesim::run(job)),
             (Self::France, "france", |job, _| france::run(job)),
+            (Self::Floors, "floors", france::floors::run),
             (Self::Alduro, "alduro", alduro::run),
             (Self::Fusion, "fusion", alduro::fusion),
             (Self::Planner, "planner", alduro::planner),

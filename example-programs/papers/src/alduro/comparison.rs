@@ -119,7 +119,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
 }
 
 /// Applies a function to each item of a list, on two threads. The results are in the order of the list.
-fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R> + Sync) -> anyhow::Result<Vec<R>> {
+pub fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R> + Sync) -> anyhow::Result<Vec<R>> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
@@ -130,7 +130,7 @@ fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R>
         }
     };
     let mut done = thread::scope(|scope| -> anyhow::Result<Vec<(usize, anyhow::Result<R>)>> {
-        let other = thread::Builder::new().name("fusion".to_owned()).spawn_scoped(scope, work);
+        let other = thread::Builder::new().name("pairs".to_owned()).spawn_scoped(scope, work);
         let mut done = work();
         let other = other.context("a thread cannot be started")?.join();
         done.extend(other.ok().context("a thread panicked")?);

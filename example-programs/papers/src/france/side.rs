@@ -10,20 +10,24 @@ use super::walk::{Kind, MountPoint, Thing, Truth, Walk};
 const SCALE: f64 = 190.0;
 /// Margin around the drawing, m.
 const MARGIN: f64 = 0.12;
-const NEAR_LEG: &str = "#0072b2";
-const FAR_LEG: &str = "#999999";
-const RAY: &str = "#d55e00";
+/// Colour of the leg that bears the sensor.
+pub const NEAR_LEG: &str = "#0072b2";
+/// Colour of the other leg.
+pub const FAR_LEG: &str = "#999999";
+/// Colour of rays and points.
+pub const RAY: &str = "#d55e00";
 
 /// A drawing in metres: x ahead of the start, y up.
-struct Canvas {
+pub struct Canvas {
     svg: String,
     left: f64,
     top: f64,
 }
 
 impl Canvas {
-    fn new(left: f64, right: f64, top: f64, title: &str) -> Self {
-        let (width, height) = ((right - left) * SCALE, (top + MARGIN) * SCALE + 24.0);
+    /// An empty drawing with these borders.
+    pub fn new([left, right]: [f64; 2], [bottom, top]: [f64; 2], title: &str) -> Self {
+        let (width, height) = ((right - left) * SCALE, (top - bottom + MARGIN) * SCALE + 24.0);
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
              viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\">\n\
@@ -37,7 +41,8 @@ impl Canvas {
         ((point.x - self.left) * SCALE, (self.top - point.y) * SCALE + 24.0)
     }
 
-    fn path(&mut self, points: &[DVec2], colour: &str, width: f64) {
+    /// A line through points.
+    pub fn path(&mut self, points: &[DVec2], colour: &str, width: f64) {
         let corners: Vec<String> =
             points.iter().map(|point| self.place(*point)).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let _ = writeln!(
@@ -47,17 +52,20 @@ impl Canvas {
         );
     }
 
-    fn dot(&mut self, at: DVec2, colour: &str, radius: f64) {
+    /// A dot.
+    pub fn dot(&mut self, at: DVec2, colour: &str, radius: f64) {
         let (x, y) = self.place(at);
         let _ = writeln!(self.svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{colour}\"/>");
     }
 
-    fn text(&mut self, at: DVec2, words: &str) {
+    /// Centred text.
+    pub fn text(&mut self, at: DVec2, words: &str) {
         let (x, y) = self.place(at);
         let _ = writeln!(self.svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{words}</text>");
     }
 
-    fn finish(mut self) -> String {
+    /// The drawing as SVG.
+    pub fn finish(mut self) -> String {
         self.svg.push_str("</svg>\n");
         self.svg
     }
@@ -67,7 +75,7 @@ impl Canvas {
 /// the ray of each reading that hits something within the sensor's range.
 pub fn walk(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind, every: f64, title: &str) -> String {
     let end = truth.obstacle_at + truth.obstacle_size.x;
-    let mut canvas = Canvas::new(-0.6, end + 0.3, 1.05, title);
+    let mut canvas = Canvas::new([-0.6, end + 0.3], [0.0, 1.05], title);
     ground(&mut canvas, truth, -0.6, end + 0.3);
     for sample in walk.samples.iter().filter(|sample| sample.point.is_some()) {
         let origin = truth.ray(place, kind, &walk.at_time(sample.at)).position;
@@ -90,7 +98,7 @@ pub fn walk(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind, every: f6
 
 /// Draws the standing robot with its sensors.
 pub fn model(truth: &Truth, walk: &Walk) -> String {
-    let mut canvas = Canvas::new(-1.0, 1.0, 1.05, "Places of the sensors, and where they look");
+    let mut canvas = Canvas::new([-1.0, 1.0], [0.0, 1.05], "Places of the sensors, and where they look");
     canvas.path(&[DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)], "#333333", 1.5);
     figure(&mut canvas, truth, walk, 0.0);
     for place in MountPoint::ALL {

@@ -228,17 +228,7 @@ impl Truth {
 
     /// Positions of a leg's joints from the hip down and of its foot, ahead of the start and above the floor, m.
     pub fn leg(&self, leg: usize, moment: &Moment) -> Vec<DVec2> {
-        let each = self.links.len() / 2;
-        let first = leg * each;
-        let world_from_robot = Pose3::from_planar(&moment.pose, moment.lift);
-        let world_from = |link: usize| world_from_robot.then(&link_pose(&self.links, &moment.joints, first + link));
-        let mut points: Vec<DVec3> = (each - 3..each).map(|link| world_from(link).position).collect();
-        if let Some(foot) = self.robi.legs.as_ref().and_then(|legs| legs.legs.get(leg)?.foot) {
-            let ankle = world_from(each - 1);
-            let sole = |ahead| ankle.transform_point(DVec3::new(ahead, 0.0, -foot.height));
-            points.extend([sole(-foot.heel), sole(foot.toe), ankle.position]);
-        }
-        points.into_iter().map(|point| self.ahead(point)).collect()
+        leg_points(&self.robi, &self.links, leg, moment).into_iter().map(|point| self.ahead(point)).collect()
     }
 
     /// Hit of the sensor's ray.
@@ -312,6 +302,21 @@ impl Truth {
     }
 }
 
+/// Positions of a leg's joints from the hip down and of its foot, in the world frame, m.
+pub fn leg_points(robi: &RobiSpec, links: &[Link], leg: usize, moment: &Moment) -> Vec<DVec3> {
+    let each = links.len() / 2;
+    let first = leg * each;
+    let world_from_robot = Pose3::from_planar(&moment.pose, moment.lift);
+    let world_from = |link: usize| world_from_robot.then(&link_pose(links, &moment.joints, first + link));
+    let mut points: Vec<DVec3> = (each - 3..each).map(|link| world_from(link).position).collect();
+    if let Some(foot) = robi.legs.as_ref().and_then(|legs| legs.legs.get(leg)?.foot) {
+        let ankle = world_from(each - 1);
+        let sole = |ahead| ankle.transform_point(DVec3::new(ahead, 0.0, -foot.height));
+        points.extend([sole(-foot.heel), sole(foot.toe), ankle.position]);
+    }
+    points
+}
+
 impl Walk {
     /// Pose and posture at an instant of the walk, interpolated linearly between the ends of two slots.
     pub fn at_time(&self, at: f64) -> Moment {
@@ -326,7 +331,7 @@ impl Walk {
 }
 
 /// Parses a line of the program: the distance, and the point if there is one, m.
-fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
+pub fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
     let words: Vec<&str> = line.split(' ').collect();
     let [time, distance, x, z] = words[..] else { return None };
     time.parse::<u64>().ok()?;
@@ -336,7 +341,7 @@ fn numbers(line: &str) -> Option<(f64, Option<DVec2>)> {
 }
 
 /// Pose and posture at each time of the trace with a pose or a posture, for a robot that starts at `start`.
-fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
+pub fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
     let mut moments: Vec<Moment> = Vec::new();
     let (mut pose, mut lift, mut joints) = (start, None, Vec::new());
     for entry in trace.of_robot(ROBOT) {
@@ -356,7 +361,7 @@ fn moments(trace: &Trace, start: Pose) -> Vec<Moment> {
 }
 
 /// Linear interpolation between two moments.
-fn at_time(moments: &[Moment], at: f64) -> Moment {
+pub fn at_time(moments: &[Moment], at: f64) -> Moment {
     let next = moments.partition_point(|moment| moment.at <= at).clamp(1, moments.len().max(2) - 1);
     let (a, b) = (&moments[next - 1], moments.get(next).unwrap_or(&moments[next - 1]));
     let span = b.at - a.at;

@@ -301,7 +301,8 @@ fn picture(result: &Judged) -> anyhow::Result<Figure> {
     const SCALE: f64 = 60.0;
     const GAP: f64 = 14.0;
     const TOP: f64 = 44.0;
-    const COLOURS: [&str; 3] = ["#0a7", "#d22", "#15d"];
+    // Unlike the red of false cells.
+    const COLOURS: [&str; 3] = ["#0a7", "#a0a", "#15d"];
     let Judged { drive, exact, raw, corrected } = result;
     let frame = *drive.truth.frame();
     let cell = frame.cell_size();
@@ -314,7 +315,7 @@ fn picture(result: &Judged) -> anyhow::Result<Figure> {
     );
     // Writing to a string cannot fail.
     for (index, name) in ["true path", "path by raw odometry", "corrected path"].iter().enumerate() {
-        let x = GAP + 165.0 * index as f64;
+        let x = GAP + 190.0 * index as f64;
         let _ = writeln!(
             svg,
             "<line x1=\"{x}\" x2=\"{}\" y1=\"14\" y2=\"14\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"{}\" y=\"18\">{name}</text>",
@@ -324,7 +325,7 @@ fn picture(result: &Judged) -> anyhow::Result<Figure> {
         );
     }
     for (index, (title, track)) in
-        [("true poses", exact), ("raw odometry", raw), ("corrected", corrected)].into_iter().enumerate()
+        [("true poses", exact), ("raw odometry", raw), ("corrected poses", corrected)].into_iter().enumerate()
     {
         let left = GAP + index as f64 * (width + GAP);
         let colours = super::shown(&track.map, &drive.truth);
