@@ -10,7 +10,7 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use parking_lot::Mutex;
 use sim_core::time::Time;
-use sim_host::executive::dispatcher::End;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::launch::{self, Observers, Options};
 use sim_host::record::Sink;
 
@@ -138,7 +138,7 @@ impl Job {
         let mut running = ready.start(Observers { sinks, ..Observers::default() })?;
         running.scheduler.advance_to(Time::NEVER);
         let finished = running.finish();
-        if let End::Record(error) = &finished.ended.end {
+        if let EndReason::Record(error) = &finished.ended.end {
             bail!("`{}`: {error}", scene.display());
         }
         if let Some(robot) = finished.report.robots.iter().find(|robot| robot.outcome.is_failure()) {
