@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use mapping::astar;
-use mapping::grid::{Cell, Frame, Grid};
+use mapping::grid::{Cell, Grid, GridGeometry};
 use mapping::line::supercover;
 use mapping::log_odds::{LogOddsGrid, SonarModel, log_odds};
 use mapping::pose::{Point, Pose};
@@ -68,7 +68,7 @@ const ROOMS: usize = 20;
 const HEIGHT: f64 = 40.0;
 
 /// A method to build maps: its name, and a function that returns the probabilities of all cells from the readings of all stops.
-type Method = (&'static str, fn(&Frame, &[Vec<Reading>]) -> Grid<f64>);
+type Method = (&'static str, fn(&GridGeometry, &[Vec<Reading>]) -> Grid<f64>);
 
 const METHODS: [Method; 5] = [
     ("plain", |frame, stops| plain(frame, stops, Silence::Nothing)),
@@ -97,7 +97,7 @@ const METHODS: [Method; 5] = [
 ];
 
 /// Probabilities of a plain sonar grid.
-fn plain(frame: &Frame, stops: &[Vec<Reading>], silence: Silence) -> Grid<f64> {
+fn plain(frame: &GridGeometry, stops: &[Vec<Reading>], silence: Silence) -> Grid<f64> {
     let mut map = SonarGrid::new(*frame, BEAM, silence);
     echoes(stops).for_each(|echo| map.add(echo));
     map.probabilities()
@@ -144,7 +144,7 @@ fn run(effort: Effort) -> Outcome {
 
 fn row(
     method: &str,
-    build: fn(&Frame, &[Vec<Reading>]) -> Grid<f64>,
+    build: fn(&GridGeometry, &[Vec<Reading>]) -> Grid<f64>,
     rooms: &[Room],
     stops: usize,
     cell: f64,
@@ -176,14 +176,14 @@ fn wrong_fraction(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
     1.0 - f64::from(right as u32) / f64::from(count as u32)
 }
 
-/// Frame of a room with a margin of 20 cm. The outer walls go through the middles of cells of 5 cm.
-fn frame(cell: f64) -> Frame {
+/// Geometry of the grid of a room with a margin of 20 cm. The outer walls go through the middles of cells of 5 cm.
+fn frame(cell: f64) -> GridGeometry {
     let margin = 0.2 + 0.5 * CELL;
-    Frame::covering(Point::new(-margin, -margin), Point::new(SIDE + margin, SIDE + margin), cell)
+    GridGeometry::covering(Point::new(-margin, -margin), Point::new(SIDE + margin, SIDE + margin), cell)
 }
 
 /// Ground truth: the largest connected region of cells without a wall is free, and wall cells next to it are surfaces.
-fn truth(walls: &[Segment], frame: &Frame) -> Grid<Truth> {
+fn truth(walls: &[Segment], frame: &GridGeometry) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
     for wall in walls {
         for cell in supercover(frame, Point::new(wall.a.x, wall.a.y), Point::new(wall.b.x, wall.b.y)) {
@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn wrong_fraction_counts_wrong_and_unknown_cells() {
-        let frame = Frame::new(Point::origin(), 1.0, 4, 1);
+        let frame = GridGeometry::new(Point::origin(), 1.0, 4, 1);
         let truth = Grid::from_fn(frame, |cell| [Truth::Free, Truth::Free, Truth::Surface, Truth::Hidden][cell.column]);
         let fraction = |values: [f64; 4]| wrong_fraction(&Grid::from_fn(frame, |cell| values[cell.column]), &truth);
         assert_eq!(fraction([0.0, 0.1, 0.9, 0.0]), 0.0);

@@ -5,7 +5,7 @@ use std::f64::consts::{LN_2, PI};
 
 use mapping::astar::shortest_path;
 use mapping::distance::distances;
-use mapping::grid::{Frame, Grid};
+use mapping::grid::{Grid, GridGeometry};
 use mapping::inverse::SonarPose;
 use mapping::math;
 use mapping::pose::{self, Point, rotated};
@@ -130,7 +130,7 @@ impl Ground {
 
     /// Length of the shortest path that keeps 2 m from ground higher than 0.5 m.
     fn shortest(&self) -> Option<f64> {
-        let frame = Frame::new(Point::new(-4.0, -16.0), 0.25, 176, 128);
+        let frame = GridGeometry::new(Point::new(-4.0, -16.0), 0.25, 176, 128);
         let room = distances(&Grid::from_fn(frame, |cell| self.height(frame.centre(cell)) > 0.5), |is_high| *is_high);
         let factor = |cell| (room[cell] > 2.0).then_some(1.0);
         shortest_path(&frame, factor, frame.cell_at(START)?, frame.cell_at(GOAL)?).map(|path| path.cost)

@@ -5,7 +5,7 @@
 
 use mapping::astar::{costs, shortest_path};
 use mapping::distance::distances;
-use mapping::grid::{Cell, Frame, Grid};
+use mapping::grid::{Cell, Grid, GridGeometry};
 use mapping::math;
 use mapping::pose::Point;
 
@@ -51,7 +51,7 @@ fn path_to(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Poin
 /// For a goal beyond the map: the cell on the map's border through which the total cost of the path to the goal is
 /// lowest.
 fn exit(costs: &Grid<f64>, goal: Point) -> Cell {
-    let frame: &Frame = costs.frame();
+    let frame: &GridGeometry = costs.frame();
     let is_border = |cell: &Cell| {
         cell.column == 0 || cell.row == 0 || cell.column + 1 == frame.columns() || cell.row + 1 == frame.rows()
     };
@@ -69,7 +69,7 @@ mod tests {
 
     /// A map of 20 m x 20 m with the robot in the middle.
     fn map(is_high: impl Fn(Point) -> bool) -> Grid<bool> {
-        let frame = Frame::new(Point::new(-10.0, -10.0), 0.5, 41, 41);
+        let frame = GridGeometry::new(Point::new(-10.0, -10.0), 0.5, 41, 41);
         Grid::from_fn(frame, |cell| is_high(frame.centre(cell)))
     }
 

@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::SQRT_2;
 
-use crate::grid::{Cell, Frame, Grid};
+use crate::grid::{Cell, Grid, GridGeometry};
 
 /// A path from cell to neighbouring cell.
 #[derive(Clone, PartialEq, Debug)]
@@ -31,7 +31,12 @@ pub struct Path {
 ///
 /// # Panics
 /// If start or goal lie outside the frame, or a factor is below 1 (then the estimate of the remaining cost would be too high).
-pub fn shortest_path(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell, goal: Cell) -> Option<Path> {
+pub fn shortest_path(
+    frame: &GridGeometry,
+    factor: impl Fn(Cell) -> Option<f64>,
+    start: Cell,
+    goal: Cell,
+) -> Option<Path> {
     assert!(frame.has(goal), "{goal:?} beyond the grid");
     search(frame, factor, start, |cell| cell == goal, |cell| octile(cell, goal) * frame.cell_size())
 }
@@ -41,7 +46,7 @@ pub fn shortest_path(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start:
 /// # Panics
 /// As [`shortest_path`].
 pub fn nearest(
-    frame: &Frame,
+    frame: &GridGeometry,
     factor: impl Fn(Cell) -> Option<f64>,
     start: Cell,
     is_goal: impl Fn(Cell) -> bool,
@@ -53,7 +58,7 @@ pub fn nearest(
 ///
 /// # Panics
 /// As [`shortest_path`].
-pub fn costs(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell) -> Grid<f64> {
+pub fn costs(frame: &GridGeometry, factor: impl Fn(Cell) -> Option<f64>, start: Cell) -> Grid<f64> {
     let mut search = Search::new(frame, start);
     while search.settle_next(&factor, &|_| 0.0).is_some() {}
     search.costs
@@ -66,7 +71,7 @@ fn octile(from: Cell, to: Cell) -> f64 {
 }
 
 fn search(
-    frame: &Frame,
+    frame: &GridGeometry,
     factor: impl Fn(Cell) -> Option<f64>,
     start: Cell,
     is_goal: impl Fn(Cell) -> bool,
@@ -83,7 +88,7 @@ fn search(
 
 /// State of a search: costs and predecessors of the cells seen, and the open cells.
 struct Search {
-    frame: Frame,
+    frame: GridGeometry,
     costs: Grid<f64>,
     predecessors: Grid<Option<Cell>>,
     is_final: Grid<bool>,
@@ -91,7 +96,7 @@ struct Search {
 }
 
 impl Search {
-    fn new(frame: &Frame, start: Cell) -> Self {
+    fn new(frame: &GridGeometry, start: Cell) -> Self {
         let mut costs = Grid::new(*frame, f64::INFINITY);
         costs[start] = 0.0;
         let open = BinaryHeap::from([Open { estimated_total: 0.0, cell: start }]);
@@ -177,7 +182,7 @@ mod tests {
     /// A map from text, the upper row first: `#` must not be entered, a digit is a factor, any other character is free.
     fn map(text: &str) -> Grid<Option<f64>> {
         let rows: Vec<Vec<char>> = text.split_whitespace().rev().map(|row| row.chars().collect()).collect();
-        let frame = Frame::new(Point::origin(), 0.5, rows[0].len(), rows.len());
+        let frame = GridGeometry::new(Point::origin(), 0.5, rows[0].len(), rows.len());
         Grid::from_fn(frame, |cell| match rows[cell.row][cell.column] {
             '#' => None,
             c => Some(c.to_digit(10).map_or(1.0, f64::from)),
@@ -242,7 +247,7 @@ mod tests {
                 .prop_flat_map(|(columns, rows)| (Just(columns), Just(rows), prop::collection::vec(0u8..6, columns * rows))),
             end_indices in (0usize..81, 0usize..81),
         ) {
-            let frame = Frame::new(Point::origin(), 0.5, columns, rows);
+            let frame = GridGeometry::new(Point::origin(), 0.5, columns, rows);
             let map = Grid::from_fn(frame, |cell| match kinds[cell.row * columns + cell.column] {
                 0 | 1 => None,
                 2 => Some(2.5),

@@ -6,7 +6,7 @@
 //! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time"; Felzenszwalb
 //! & Huttenlocher 2012 use the same parabolas in floating point.
 
-use crate::grid::{Cell, Frame, Grid};
+use crate::grid::{Cell, Grid, GridGeometry};
 
 /// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` returns true; 0 for feature
 /// cells, infinite if there is no feature.
@@ -37,7 +37,7 @@ pub fn squared_in_cells<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> G
 
 /// Number of rows from each cell to the nearest feature of the same column; `None` without one.
 fn along_columns<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Option<i64>> {
-    let frame: Frame = *grid.frame();
+    let frame: GridGeometry = *grid.frame();
     let mut distances = Grid::new(frame, None);
     for column in 0..frame.columns() {
         let upward = 0..frame.rows();
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn distances_are_metric_and_infinite_without_a_feature() {
-        let frame = Frame::new(Point::origin(), 0.1, 5, 4);
+        let frame = GridGeometry::new(Point::origin(), 0.1, 5, 4);
         let mut grid = Grid::new(frame, false);
         assert!(distances(&grid, |is_feature| *is_feature).values().iter().all(|distance| distance.is_infinite()));
         grid[Cell::new(0, 0)] = true;
@@ -130,7 +130,7 @@ mod tests {
                 .prop_flat_map(|(columns, rows)| (Just(columns), Just(rows), prop::collection::vec(0u8..10, columns * rows))),
             fraction in 0u8..10,
         ) {
-            let frame = Frame::new(Point::origin(), 1.0, columns, rows);
+            let frame = GridGeometry::new(Point::origin(), 1.0, columns, rows);
             let grid = Grid::from_fn(frame, |cell| features[cell.row * columns + cell.column] < fraction);
             prop_assert_eq!(squared_in_cells(&grid, |is_feature| *is_feature), brute_force(&grid));
         }

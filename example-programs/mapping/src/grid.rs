@@ -1,6 +1,6 @@
 //! Grid maps with square cells, and pictures of them.
 //!
-//! A [`Frame`] defines position, size and number of the cells in the world; a [`Grid`] stores a value for each cell. The column index
+//! A [`GridGeometry`] defines position, size and number of the cells in the world; a [`Grid`] stores a value for each cell. The column index
 //! increases with x and the row index with y, both from the frame's origin, its minimum corner. A cell includes its lower and left
 //! edges, not its upper and right ones.
 
@@ -36,14 +36,14 @@ impl Cell {
 
 /// Position, size and number of the cells of a grid.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Frame {
+pub struct GridGeometry {
     origin: Point,
     cell_size: f64,
     columns: usize,
     rows: usize,
 }
 
-impl Frame {
+impl GridGeometry {
     /// Cells of `cell_size` x `cell_size` metres, the first with its minimum corner at `origin`.
     ///
     /// # Panics
@@ -58,7 +58,7 @@ impl Frame {
     /// The smallest grid of cells of `cell_size` metres, with its minimum corner at `min`, that covers the rectangle from `min` to `max`.
     ///
     /// # Panics
-    /// As [`Frame::new`].
+    /// As [`GridGeometry::new`].
     pub fn covering(min: Point, max: Point, cell_size: f64) -> Self {
         // Tolerance: an excess of up to a millionth of a cell is rounding and adds no column.
         let cells = |length: f64| (length / cell_size - 1e-6).ceil().max(1.0) as usize;
@@ -145,21 +145,21 @@ impl Frame {
     }
 }
 
-/// A value for each cell of a [`Frame`].
+/// A value for each cell of a [`GridGeometry`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct Grid<T> {
-    frame: Frame,
+    frame: GridGeometry,
     values: Vec<T>,
 }
 
 impl<T> Grid<T> {
     /// A grid with the values that `value` returns for the cells, called row by row.
-    pub fn from_fn(frame: Frame, value: impl FnMut(Cell) -> T) -> Self {
+    pub fn from_fn(frame: GridGeometry, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
 
     /// The frame of the cells.
-    pub fn frame(&self) -> &Frame {
+    pub fn frame(&self) -> &GridGeometry {
         &self.frame
     }
 
@@ -217,7 +217,7 @@ impl<T> Grid<T> {
 
 impl<T: Clone> Grid<T> {
     /// A grid with the same value in each cell.
-    pub fn new(frame: Frame, value: T) -> Self {
+    pub fn new(frame: GridGeometry, value: T) -> Self {
         Self { values: vec![value; frame.columns * frame.rows], frame }
     }
 }
@@ -256,8 +256,8 @@ pub fn png(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
 mod tests {
     use super::*;
 
-    fn frame() -> Frame {
-        Frame::new(Point::new(-1.0, 2.0), 0.5, 4, 3)
+    fn frame() -> GridGeometry {
+        GridGeometry::new(Point::new(-1.0, 2.0), 0.5, 4, 3)
     }
 
     #[test]
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn covering_gives_the_smallest_frame() {
-        let covering = |width, size| Frame::covering(Point::origin(), Point::new(width, 1.0), size).columns();
+        let covering = |width, size| GridGeometry::covering(Point::origin(), Point::new(width, 1.0), size).columns();
         assert_eq!((covering(4.0, 0.05), covering(4.01, 0.05), covering(0.3, 0.1), covering(0.0, 0.1)), (80, 81, 3, 1));
     }
 

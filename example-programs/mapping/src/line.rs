@@ -10,11 +10,11 @@
 //! steps, each to a cell with a common side, and may deviate from the line by nearly a cell. DDA makes max(|dx|, |dy|) steps, some of them
 //! diagonal. It deviates by at most half a cell, so it visits only cells that the line touches.
 
-use crate::grid::{Cell, Frame};
+use crate::grid::{Cell, GridGeometry};
 use crate::pose::Point;
 
 /// The cells of `frame` whose closed square touches the line from `from` to `to` (in metres), column by column.
-pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
+pub fn supercover(frame: &GridGeometry, from: Point, to: Point) -> Vec<Cell> {
     let (from, to) = (frame.in_cells(from), frame.in_cells(to));
     let (left, right) = if from.x <= to.x { (from, to) } else { (to, from) };
     let y_at = |x: f64| {
@@ -102,8 +102,8 @@ mod tests {
 
     const SIDE: usize = 24;
 
-    fn frame() -> Frame {
-        Frame::new(Point::origin(), 1.0, SIDE, SIDE)
+    fn frame() -> GridGeometry {
+        GridGeometry::new(Point::origin(), 1.0, SIDE, SIDE)
     }
 
     /// Returns true if a line touches the closed square of a cell, by clipping the line at the square's sides in integers. The line's

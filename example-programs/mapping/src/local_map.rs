@@ -3,7 +3,7 @@
 //! Source: Gois and Hiller, section 3. The axes of the map are parallel to those of odometry, and the map moves by whole cells, so
 //! heights are never resampled (our choice).
 
-use crate::grid::{Frame, Grid};
+use crate::grid::{Grid, GridGeometry};
 use crate::inverse::{SonarModel, SonarPose};
 use crate::math;
 use crate::pose::Point;
@@ -109,7 +109,7 @@ impl LocalMap {
         let partition = *self.tsk.partition();
         let (column, row) = partition.low;
         let origin = Point::new(column as f64 * partition.cell, row as f64 * partition.cell);
-        let frame = Frame::new(origin, partition.cell, partition.columns, partition.rows);
+        let frame = GridGeometry::new(origin, partition.cell, partition.columns, partition.rows);
         let patches: Vec<Patch> = self.patches().collect();
         Grid::from_fn(frame, |cell| patches[cell.row * partition.columns + cell.column])
     }

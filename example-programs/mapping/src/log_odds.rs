@@ -5,7 +5,7 @@
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 
-use crate::grid::{Frame, Grid};
+use crate::grid::{Grid, GridGeometry};
 use crate::math;
 use crate::sonar::{Beam, Echo};
 
@@ -51,7 +51,7 @@ pub struct LogOddsGrid {
 
 impl LogOddsGrid {
     /// A grid without evidence: even odds in each cell.
-    pub fn new(frame: Frame) -> Self {
+    pub fn new(frame: GridGeometry) -> Self {
         Self { cells: Grid::new(frame, 0.0) }
     }
 
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn independent_readings_multiply_odds() {
-        let mut grid = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+        let mut grid = LogOddsGrid::new(GridGeometry::new(Point::origin(), 1.0, 1, 1));
         let cell = Cell::new(0, 0);
         // Bayes' rule: two readings of 0.7 with even prior odds give 0.49 / (0.49 + 0.09).
         grid.add(cell, log_odds(0.7));
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn evidence_is_strongest_in_the_middle_of_the_beam() {
-        let frame = Frame::new(Point::origin(), 0.1, 30, 20);
+        let frame = GridGeometry::new(Point::origin(), 0.1, 30, 20);
         let model = SonarModel::new(Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 });
         let mut grid = LogOddsGrid::new(frame);
         grid.add_echo(Echo { sonar: Pose::new(0.05, 1.05, 0.0), distance: Some(1.0) }, &model);

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use crate::distance::distances;
-use crate::grid::{Cell, Frame, Grid};
+use crate::grid::{Cell, Grid, GridGeometry};
 use crate::localise::PoseLikelihood;
 use crate::math;
 use crate::pose::{Point, Vector, direction};
@@ -162,7 +162,7 @@ impl PoseLikelihood for Ranges<'_> {
 
 /// Middles of the occupied cells of a map.
 pub fn occupied_points<T>(map: &Grid<T>, is_occupied: impl Fn(&T) -> bool) -> Vec<Point> {
-    let frame: &Frame = map.frame();
+    let frame: &GridGeometry = map.frame();
     map.iter().filter(|(_, value)| is_occupied(value)).map(|(cell, _)| frame.centre(cell)).collect()
 }
 
@@ -182,7 +182,7 @@ mod tests {
 
     /// A map of walls with cells of 25 mm.
     fn map(walls: &[[f64; 4]]) -> Grid<bool> {
-        let mut map = Grid::new(Frame::new(Point::new(-1.0, -1.0), 0.025, 320, 240), false);
+        let mut map = Grid::new(GridGeometry::new(Point::new(-1.0, -1.0), 0.025, 320, 240), false);
         let frame = *map.frame();
         for &[x0, y0, x1, y1] in walls {
             for cell in supercover(&frame, Point::new(x0, y0), Point::new(x1, y1)) {

@@ -106,7 +106,7 @@ fn fraction_with_neighbour<A: PartialEq, B: PartialEq>(grid: &Grid<A>, value: A,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Frame;
+    use crate::grid::GridGeometry;
     use crate::pose::Point;
 
     #[test]
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn score_matches_a_count_by_hand() {
-        let frame = Frame::new(Point::origin(), 1.0, 6, 1);
+        let frame = GridGeometry::new(Point::origin(), 1.0, 6, 1);
         let grid = |text: &str| text.chars().collect::<Vec<char>>();
         let (classified, actual) = (grid("OO.?.?"), grid("...##x"));
         let map = Grid::from_fn(frame, |cell| match classified[cell.column] {

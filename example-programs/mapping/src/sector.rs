@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::grid::{Cell, Frame, Grid};
+use crate::grid::{Cell, Grid, GridGeometry};
 use crate::line;
 use crate::math;
 use crate::pose::{Point, Pose, direction, wrapped};
@@ -355,7 +355,7 @@ pub struct SectorMap {
 
 impl SectorMap {
     /// A map with all cells unknown.
-    pub fn new(frame: Frame, fan: Fan, raster: Raster) -> Self {
+    pub fn new(frame: GridGeometry, fan: Fan, raster: Raster) -> Self {
         Self { fan, raster, cells: Grid::new(frame, UNKNOWN) }
     }
 
@@ -387,7 +387,7 @@ pub fn updated(old: f64, new: f64) -> f64 {
 /// The cells under the robot are free. Sectors overlap after the robot turned at a fault. There, a line's cell is
 /// dropped if it is in the core of another sector and nearer than that sector's arc, since the other sonar would have
 /// received its echo. Then occupied takes precedence over free, and a more certain value over a less certain one.
-pub fn local_map(frame: &Frame, fan: &Fan, raster: Raster, readings: &[Reading]) -> Grid<f64> {
+pub fn local_map(frame: &GridGeometry, fan: &Fan, raster: Raster, readings: &[Reading]) -> Grid<f64> {
     let sectors: Vec<Sector> = readings.iter().map(|reading| Sector::new(fan, reading, readings)).collect();
     let mut occupied = Grid::new(*frame, UNKNOWN);
     let mut free = Grid::new(*frame, UNKNOWN);
@@ -461,7 +461,7 @@ impl Sector {
     }
 
     /// Returns true if a surface in the cell would have caused an echo before that of this sector.
-    fn shows_free(&self, fan: &Fan, frame: &Frame, cell: Cell) -> bool {
+    fn shows_free(&self, fan: &Fan, frame: &GridGeometry, cell: Cell) -> bool {
         let Some(own) = self.distance else { return false };
         let (distance, angle) = polar(self.axis, frame.centre(cell));
         angle.abs() <= 0.5 * CORE * fan.sector && distance + frame.cell_size() < fan.radius + own
@@ -469,13 +469,13 @@ impl Sector {
 }
 
 /// Cells of a line that are in the grid.
-fn line_cells(frame: &Frame, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
+fn line_cells(frame: &GridGeometry, raster: Raster, from: Point, to: Point) -> Vec<Cell> {
     // A line may be partly outside the grid, so its cells are determined in a larger grid, and the cells outside
     // `frame` are dropped.
     let margin = ((to - from).norm() / frame.cell_size()).ceil() + 2.0;
     let origin = frame.origin() - crate::pose::Vector::repeat(margin * frame.cell_size());
     let enlarged = |cells: usize| cells + 2 * margin as usize;
-    let larger = Frame::new(origin, frame.cell_size(), enlarged(frame.columns()), enlarged(frame.rows()));
+    let larger = GridGeometry::new(origin, frame.cell_size(), enlarged(frame.columns()), enlarged(frame.rows()));
     let (Some(from), Some(to)) = (larger.cell_at(from), larger.cell_at(to)) else { return Vec::new() };
     let cells = match raster {
         Raster::PointByPoint => line::point_by_point(from, to),
@@ -634,7 +634,7 @@ mod tests {
         let (wrong, right) = (0.98, 0.03);
         let mut by_equation_4 = updated(UNKNOWN, wrong);
         let cell = Cell::new(0, 0);
-        let mut by_log_odds = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+        let mut by_log_odds = LogOddsGrid::new(GridGeometry::new(Point::origin(), 1.0, 1, 1));
         by_log_odds.add(cell, log_odds(wrong));
         for _ in 0..1000 {
             by_equation_4 = updated(by_equation_4, right);
@@ -662,7 +662,7 @@ mod tests {
 
     #[test]
     fn room_is_mapped_from_its_middle() {
-        let frame = Frame::new(Point::new(-0.2, -0.2), 0.1, 25, 25);
+        let frame = GridGeometry::new(Point::new(-0.2, -0.2), 0.1, 25, 25);
         for raster in [Raster::PointByPoint, Raster::Dda] {
             let mut map = SectorMap::new(frame, FAN, raster);
             map.add(&room_readings(&[0.0, HALF]));
@@ -697,7 +697,7 @@ mod tests {
 
     #[test]
     fn lines_are_clipped_at_the_grid() {
-        let frame = Frame::new(Point::origin(), 0.1, 5, 5);
+        let frame = GridGeometry::new(Point::origin(), 0.1, 5, 5);
         let cells = line_cells(&frame, Raster::Dda, Point::new(-1.0, 0.25), Point::new(3.0, 0.25));
         assert_eq!(cells, (0..5).map(|column| Cell::new(column, 2)).collect::<Vec<_>>());
     }

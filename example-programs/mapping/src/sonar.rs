@@ -1,6 +1,6 @@
 //! A reading of a sonar, and the cells of its beam.
 
-use crate::grid::{Cell, Frame};
+use crate::grid::{Cell, GridGeometry};
 use crate::math;
 use crate::pose::{Point, Pose, wrapped};
 
@@ -37,7 +37,7 @@ pub struct InBeam {
 
 impl Beam {
     /// The cells of `frame` whose middle lies in the beam of a sonar at `sonar`, at most `max_distance` metres away, row by row.
-    pub fn cells(&self, frame: &Frame, sonar: Pose, max_distance: f64) -> impl Iterator<Item = InBeam> + use<> {
+    pub fn cells(&self, frame: &GridGeometry, sonar: Pose, max_distance: f64) -> impl Iterator<Item = InBeam> + use<> {
         let (frame, half_angle) = (*frame, self.half_angle);
         frame.disc(sonar.position, max_distance).filter_map(move |cell| {
             let (distance, angle) = polar(sonar, frame.centre(cell));

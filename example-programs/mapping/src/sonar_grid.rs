@@ -6,7 +6,7 @@
 //! Source: arcs and cones as in Moravec & Elfes 1985; counters as in the histogram grids of Borenstein & Koren 1991 and the counting
 //! model of Hähnel et al. 2003. All cells of a beam have the same weight (our choice).
 
-use crate::grid::{Frame, Grid};
+use crate::grid::{Grid, GridGeometry};
 use crate::sonar::{Beam, Echo};
 
 /// Interpretation of a reading without an echo.
@@ -28,7 +28,7 @@ pub struct SonarGrid {
 
 impl SonarGrid {
     /// A grid without readings.
-    pub fn new(frame: Frame, beam: Beam, silence: Silence) -> Self {
+    pub fn new(frame: GridGeometry, beam: Beam, silence: Silence) -> Self {
         Self { beam, silence, counts: Grid::new(frame, (0, 0)) }
     }
 
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn cone_is_free_arc_is_occupied_and_silence_follows_its_setting() {
-        let frame = Frame::new(Point::origin(), 0.1, 30, 20);
+        let frame = GridGeometry::new(Point::origin(), 0.1, 30, 20);
         let beam = Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 };
         let sonar = Pose::new(0.05, 1.05, 0.0);
         let mut grid = SonarGrid::new(frame, beam, Silence::Nothing);

@@ -9,7 +9,7 @@
 //! maps, one for each particle). The map of the current stop is our choice: it contains the readings from before the
 //! robot turned around.
 
-use crate::grid::{Frame, Grid};
+use crate::grid::{Grid, GridGeometry};
 use crate::localise::{Belief, OdometryNoise};
 use crate::measurement::{Error, LikelihoodField, Points};
 use crate::pose::{Point, Pose};
@@ -38,7 +38,7 @@ pub struct Tracker {
 
 impl Tracker {
     /// An empty map and a robot at its origin, where its odometry is exact.
-    pub fn new(frame: Frame, fan: Fan, raster: Raster, correction: Correction) -> Self {
+    pub fn new(frame: GridGeometry, fan: Fan, raster: Raster, correction: Correction) -> Self {
         let start = Pose::new(0.0, 0.0, 0.0);
         Self {
             fan,
@@ -151,7 +151,7 @@ mod tests {
             error: Error { sigma: 0.04, outlier: 0.1 },
             odometry: OdometryNoise { turn: 0.05, drift: 0.05, distance: 0.05 },
         };
-        let frame = Frame::covering(Point::new(-1.1, -1.1), Point::new(3.1, 2.1), 0.05);
+        let frame = GridGeometry::covering(Point::new(-1.1, -1.1), Point::new(3.1, 2.1), 0.05);
         let mut tracker = Tracker::new(frame, FAN, Raster::PointByPoint, correction);
         let (mut truth, mut odometry) = (Pose::new(0.0, 0.0, 0.0), Pose::new(0.0, 0.0, 0.0));
         let off = |pose: &Pose, truth: &Pose| {

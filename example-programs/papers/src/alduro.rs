@@ -38,9 +38,9 @@ pub fn fusion(job: &Job, terrains: Option<usize>) -> anyhow::Result<Page> {
     comparison::page(job, terrains.unwrap_or(COMPARED))
 }
 
-/// Computes a row of the published errors of maps again, from the published settings (`docs/papers/fusion-settings.csv`).
-///
 /// Recomputes a row of the published map errors from the published settings (`docs/papers/fusion-settings.csv`).
+///
+/// # Errors
 /// If a table lacks settings for a method, or a scene does not run to its end.
 pub fn fusion_sample(job: &Job, settings: &str) -> anyhow::Result<String> {
     comparison::sample(job, settings)

@@ -10,7 +10,7 @@ pub mod odometry;
 
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;
-use mapping::grid::{Cell, Frame, Grid, png};
+use mapping::grid::{Cell, Grid, GridGeometry, png};
 use mapping::log_odds::{LogOddsGrid, log_odds};
 use mapping::pose::Point;
 use mapping::score::{Occupancy, Score, Truth};
@@ -416,7 +416,7 @@ fn equation_4() -> anyhow::Result<Figure> {
     const RIGHT: f64 = 0.06;
     const TIMES: usize = 12;
     let cell = Cell::new(0, 0);
-    let mut by_log_odds = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
+    let mut by_log_odds = LogOddsGrid::new(GridGeometry::new(Point::origin(), 1.0, 1, 1));
     let mut by_equation_4 = UNKNOWN;
     let mut curves = [vec![(0.0, UNKNOWN)], vec![(0.0, UNKNOWN)]];
     for time in 1..=TIMES {

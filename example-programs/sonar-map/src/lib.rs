@@ -15,7 +15,7 @@ mod plan;
 
 use std::f64::consts::{FRAC_PI_6, PI};
 
-use mapping::grid::{Cell, Frame};
+use mapping::grid::{Cell, GridGeometry};
 use mapping::pose::{Point, Pose};
 use mapping::score::Occupancy;
 use mapping::sector::{Fan, Look, Raster, Reading, SectorMap};
@@ -76,15 +76,15 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Frame of the map, from the arguments.
-fn frame(arguments: &[String]) -> Result<Frame, String> {
+/// Geometry of the grid of the map, from the arguments.
+fn frame(arguments: &[String]) -> Result<GridGeometry, String> {
     let numbers: Vec<f64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
     let [x0, y0, x1, y1, cell] = match (arguments.len(), &numbers[..]) {
         (0, _) => [-4000.0, -4000.0, 4000.0, 4000.0, 50.0],
         (5, &[x0, y0, x1, y1, cell]) if x1 > x0 && y1 > y0 && cell > 0.0 => [x0, y0, x1, y1, cell],
         _ => return Err(format!("`{}`: expected X0 Y0 X1 Y1 CELL in mm", arguments.join(" "))),
     };
-    Ok(Frame::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3))
+    Ok(GridGeometry::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3))
 }
 
 /// The robot with its map.

@@ -2,7 +2,7 @@
 
 use mapping::astar::{self, Path};
 use mapping::distance::distances;
-use mapping::grid::{Cell, Frame, Grid};
+use mapping::grid::{Cell, Grid, GridGeometry};
 use mapping::line::supercover;
 use mapping::pose::Point;
 use mapping::score::{OCCUPIED, Occupancy};
@@ -27,7 +27,7 @@ const SURE: f64 = 0.38;
 
 /// Free space and frontiers of a map, for planning.
 pub struct Plan {
-    frame: Frame,
+    frame: GridGeometry,
     room: Grid<bool>,
     frontier: Grid<bool>,
 }
@@ -90,7 +90,7 @@ mod tests {
     /// A map of cells of 0.1 m: `.` free, `#` surely occupied, `?` unknown; the upper row first.
     fn map(text: &str) -> Grid<f64> {
         let rows: Vec<Vec<char>> = text.split_whitespace().rev().map(|row| row.chars().collect()).collect();
-        let frame = Frame::new(Point::origin(), 0.1, rows[0].len(), rows.len());
+        let frame = GridGeometry::new(Point::origin(), 0.1, rows[0].len(), rows.len());
         Grid::from_fn(frame, |cell| match rows[cell.row][cell.column] {
             '#' => 1.0,
             '.' => 0.0,

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::canvas::{TEXT, text_width};
 use super::drawing::Label;
-use super::frame::{Frame, LEFT, TOP};
+use super::viewport::{LEFT, TOP, Viewport};
 
 /// Pixels between a label and its body, and between two labels.
 const GAP: f64 = 3.0;
@@ -20,8 +20,8 @@ pub struct Obstacle {
 
 impl Obstacle {
     /// Square around the body that a label names.
-    pub fn around(label: &Label, frame: &Frame) -> Self {
-        let (centre, radius) = (frame.pixel_of(label.at), radius(label, frame));
+    pub fn around(label: &Label, viewport: &Viewport) -> Self {
+        let (centre, radius) = (viewport.pixel_of(label.at), radius(label, viewport));
         Self { low: centre - DVec2::splat(radius), high: centre + DVec2::splat(radius) }
     }
 
@@ -32,7 +32,7 @@ impl Obstacle {
 
 /// Labels placed so far, and the bodies that they must not cover.
 pub struct Labels<'a> {
-    frame: &'a Frame,
+    viewport: &'a Viewport,
     occupied: Vec<Obstacle>,
     /// Bodies that have labels; a label covers such a body only if there is no other place.
     bodies: Vec<Obstacle>,
@@ -40,19 +40,19 @@ pub struct Labels<'a> {
 
 impl<'a> Labels<'a> {
     /// Creates a placement without labels; `bodies` are all bodies that will get a label.
-    pub fn new(frame: &'a Frame, bodies: Vec<Obstacle>) -> Self {
-        Self { frame, occupied: Vec::new(), bodies }
+    pub fn new(viewport: &'a Viewport, bodies: Vec<Obstacle>) -> Self {
+        Self { viewport, occupied: Vec::new(), bodies }
     }
 
     /// Places a label; returns its upper left corner in pixels, and its text. Of several positions around the body, it
     /// takes the first free one, otherwise the first one that covers no other label. `None` if there is no such
     /// position.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
-        if !self.frame.contains(label.at) {
+        if !self.viewport.contains(label.at) {
             return None;
         }
         let width = text_width(&label.text, TEXT);
-        let (centre, radius) = (self.frame.pixel_of(label.at), radius(label, self.frame) + GAP);
+        let (centre, radius) = (self.viewport.pixel_of(label.at), radius(label, self.viewport) + GAP);
         let preferred = label.direction.try_normalize();
         let around =
             [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)];
@@ -71,7 +71,7 @@ impl<'a> Labels<'a> {
             });
         let visible: Vec<Obstacle> = candidates.filter(|candidate| self.is_inside(candidate)).collect();
         let is_free = |candidate: &&Obstacle| self.occupied.iter().all(|other| !other.overlaps(candidate));
-        let own_body = Obstacle::around(label, self.frame);
+        let own_body = Obstacle::around(label, self.viewport);
         let avoids_bodies =
             |candidate: &&Obstacle| self.bodies.iter().all(|other| *other == own_body || !other.overlaps(candidate));
         let best = visible
@@ -84,13 +84,13 @@ impl<'a> Labels<'a> {
 
     fn is_inside(&self, rectangle: &Obstacle) -> bool {
         let corner = DVec2::new(LEFT, TOP);
-        corner.cmple(rectangle.low).all() && rectangle.high.cmple(corner + self.frame.pixels()).all()
+        corner.cmple(rectangle.low).all() && rectangle.high.cmple(corner + self.viewport.pixels()).all()
     }
 }
 
 /// Radius around the labelled point that the text must not cover, in pixels.
-fn radius(label: &Label, frame: &Frame) -> f64 {
-    (label.clearance * frame.scale()).max(label.min_clearance_px)
+fn radius(label: &Label, viewport: &Viewport) -> f64 {
+    (label.clearance * viewport.scale()).max(label.min_clearance_px)
 }
 
 #[cfg(test)]
@@ -103,13 +103,13 @@ mod tests {
 
     #[test]
     fn labels_cover_neither_labels_nor_bodies() {
-        let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
+        let viewport = Viewport::around(DVec2::ZERO, DVec2::splat(4.0), None);
         // Sixteen robots close to each other.
         let requested: Vec<Label> = (0..16)
             .map(|i| label(&format!("robot {i}"), 1.5 + 0.22 * f64::from(i % 4), 1.5 + 0.22 * f64::from(i / 4)))
             .collect();
-        let bodies: Vec<Obstacle> = requested.iter().map(|label| Obstacle::around(label, &frame)).collect();
-        let mut labels = Labels::new(&frame, bodies.clone());
+        let bodies: Vec<Obstacle> = requested.iter().map(|label| Obstacle::around(label, &viewport)).collect();
+        let mut labels = Labels::new(&viewport, bodies.clone());
         let labelled: Vec<_> = requested.iter().filter_map(|label| labels.place(label)).collect();
         assert!(labelled.len() >= 12, "{} of 16 have a place", labelled.len());
         for (index, placed) in labels.occupied.iter().enumerate() {
@@ -122,12 +122,12 @@ mod tests {
 
     #[test]
     fn label_has_the_preferred_direction() {
-        let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
+        let viewport = Viewport::around(DVec2::ZERO, DVec2::splat(4.0), None);
         let up = Label { direction: DVec2::Y, ..label("up", 2.0, 2.0) };
-        let mut labels = Labels::new(&frame, Vec::new());
+        let mut labels = Labels::new(&viewport, Vec::new());
         let (corner, _) = labels.place(&up).expect("there is room");
-        let pixel = frame.pixel_of(DVec2::splat(2.0));
+        let pixel = viewport.pixel_of(DVec2::splat(2.0));
         assert!(corner.y + HEIGHT < pixel.y && corner.x < pixel.x, "{corner} is above {pixel}");
-        assert!(Labels::new(&frame, Vec::new()).place(&label("far", 99.0, 0.0)).is_none(), "outside the picture");
+        assert!(Labels::new(&viewport, Vec::new()).place(&label("far", 99.0, 0.0)).is_none(), "outside the picture");
     }
 }

@@ -8,7 +8,6 @@ mod canvas;
 pub mod chart;
 mod colour;
 mod drawing;
-mod frame;
 mod ground;
 mod label;
 mod object;
@@ -19,6 +18,7 @@ mod scene;
 mod terrain;
 #[cfg(test)]
 mod tests;
+mod viewport;
 
 use std::path::{Path, PathBuf};
 

@@ -14,8 +14,8 @@ use super::PlotError;
 use super::canvas::{Anchor, Canvas, Surface, TEXT, TITLE, lightened, text_width};
 use super::colour::{GRID, INK, PAPER};
 use super::drawing::{Backdrop, Drawing, Form, Line, Paint, Shape, Symbol};
-use super::frame::{Frame, LEFT, LEGEND, RIGHT, TOP, metres, round_step};
 use super::label::{Labels, Obstacle};
+use super::viewport::{LEFT, LEGEND, RIGHT, TOP, Viewport, metres, round_step};
 
 /// Units per pixel: a quarter of a pixel is fine enough for the eye.
 const UNIT: i32 = 4;
@@ -39,13 +39,13 @@ const AXIS: Line = Line::solid(INK, 1.0);
 /// [`PlotError::Draw`] if the drawing library fails.
 pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, PlotError> {
     let (low, high) = drawing.extent();
-    let frame = Frame::around(low, high, size);
-    let (width, height) = frame.picture_size();
+    let viewport = Viewport::around(low, high, size);
+    let (width, height) = viewport.picture_size();
     let units = (width * UNIT as u32, height * UNIT as u32);
     let mut svg = String::new();
     {
         let mut backend = SVGBackend::with_string(&mut svg, units);
-        Painter { frame: &frame, canvas: Canvas::new(&mut backend, UNIT) }.paint(drawing)?;
+        Painter { viewport: &viewport, canvas: Canvas::new(&mut backend, UNIT) }.paint(drawing)?;
     }
     // The picture is drawn in fine units and shown at its size in pixels.
     let fine = format!("width=\"{}\" height=\"{}\"", units.0, units.1);
@@ -53,7 +53,7 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
     if let Some(backdrop) = &drawing.backdrop {
         // The image lies above the paper, which is the first rectangle, and below all other shapes.
         let end = svg.find("/>\n").map_or(svg.len(), |end| end + 3);
-        svg.insert_str(end, &svg_image(backdrop, &frame)?);
+        svg.insert_str(end, &svg_image(backdrop, &viewport)?);
     }
     Ok(svg)
 }
@@ -64,14 +64,14 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
 /// [`PlotError::Draw`] if the drawing library fails.
 pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
     let (low, high) = drawing.extent();
-    let frame = Frame::around(low, high, size);
-    let (width, height) = frame.picture_size();
+    let viewport = Viewport::around(low, high, size);
+    let (width, height) = viewport.picture_size();
     let unit = if u64::from(width) * u64::from(height) > MANY_PIXELS { UNIT / 2 } else { UNIT };
     let fine = (width * unit as u32, height * unit as u32);
     let mut buffer = vec![0; 3 * fine.0 as usize * fine.1 as usize];
     {
         let mut backend = BitMapBackend::with_buffer(&mut buffer, fine);
-        Painter { frame: &frame, canvas: Canvas::new(&mut backend, unit) }.paint(drawing)?;
+        Painter { viewport: &viewport, canvas: Canvas::new(&mut backend, unit) }.paint(drawing)?;
     }
     png(width, height, &mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
 }
@@ -103,8 +103,8 @@ fn png(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, PlotError> {
 }
 
 /// The image on the floor as an element of SVG.
-fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
-    let (from, to) = corners_of(backdrop, frame);
+fn svg_image(backdrop: &Backdrop, viewport: &Viewport) -> Result<String, PlotError> {
+    let (from, to) = corners_of(backdrop, viewport);
     let (columns, rows) = backdrop.texture.size();
     let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let pixels = pixels.flat_map(|(column, row)| lightened(backdrop.texture.pixel(column, row)));
@@ -124,23 +124,23 @@ fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
 }
 
 /// Upper left and lower right corner of the backdrop, in pixels.
-fn corners_of(backdrop: &Backdrop, frame: &Frame) -> (DVec2, DVec2) {
-    let [low, high] = backdrop.corners.map(|corner| frame.pixel_of(corner));
+fn corners_of(backdrop: &Backdrop, viewport: &Viewport) -> (DVec2, DVec2) {
+    let [low, high] = backdrop.corners.map(|corner| viewport.pixel_of(corner));
     (low.min(high), low.max(high))
 }
 
 struct Painter<'a, 'b, B> {
-    frame: &'a Frame,
+    viewport: &'a Viewport,
     canvas: Canvas<'b, B>,
 }
 
 impl<B: Surface> Painter<'_, '_, B> {
     fn paint(mut self, drawing: &Drawing) -> Result<(), PlotError> {
-        let (width, height) = self.frame.picture_size();
+        let (width, height) = self.viewport.picture_size();
         let picture_size = DVec2::new(f64::from(width), f64::from(height));
         self.canvas.rectangle(DVec2::ZERO, picture_size, Paint::solid(PAPER))?;
         if let Some(backdrop) = &drawing.backdrop {
-            let (from, to) = corners_of(backdrop, self.frame);
+            let (from, to) = corners_of(backdrop, self.viewport);
             self.canvas.image(from, to, &backdrop.texture)?;
         }
         let title = shortened(&drawing.title, TITLE, picture_size.x - LEFT - RIGHT);
@@ -157,19 +157,19 @@ impl<B: Surface> Painter<'_, '_, B> {
 
     /// Draws the grid, the ticks with their numbers, and the names of the axes.
     fn axes(&mut self) -> Result<(), PlotError> {
-        let (low, high) = self.frame.corners();
-        let step = round_step(MIN_TICK_DISTANCE / self.frame.scale());
-        let (corner, opposite) = (self.frame.pixel_of(low), self.frame.pixel_of(high));
+        let (low, high) = self.viewport.corners();
+        let step = round_step(MIN_TICK_DISTANCE / self.viewport.scale());
+        let (corner, opposite) = (self.viewport.pixel_of(low), self.viewport.pixel_of(high));
         let grid = Line { paint: Paint::translucent(GRID, 0.8), width: 1.0 };
         for value in ticks(low.x, high.x, step) {
-            let x = self.frame.pixel_of(DVec2::new(value, low.y)).x;
+            let x = self.viewport.pixel_of(DVec2::new(value, low.y)).x;
             self.canvas.path(&[DVec2::new(x, opposite.y), DVec2::new(x, corner.y)], grid)?;
             self.canvas.path(&[DVec2::new(x, corner.y), DVec2::new(x, corner.y + 5.0)], AXIS)?;
             let at = DVec2::new(x, corner.y + 8.0);
             self.canvas.text(&metres(value, step), at, TEXT, Anchor::BELOW, TEXT_PAINT)?;
         }
         for value in ticks(low.y, high.y, step) {
-            let y = self.frame.pixel_of(DVec2::new(low.x, value)).y;
+            let y = self.viewport.pixel_of(DVec2::new(low.x, value)).y;
             self.canvas.path(&[DVec2::new(corner.x, y), DVec2::new(opposite.x, y)], grid)?;
             self.canvas.path(&[DVec2::new(corner.x - 5.0, y), DVec2::new(corner.x, y)], AXIS)?;
             let at = DVec2::new(corner.x - 8.0, y);
@@ -185,11 +185,11 @@ impl<B: Surface> Painter<'_, '_, B> {
         // Pixels at which a cross has been drawn: coinciding crosses are drawn once.
         let mut crosses = BTreeSet::new();
         for shape in shapes {
-            if shape.detail * self.frame.scale() < MIN_DETAIL {
+            if shape.detail * self.viewport.scale() < MIN_DETAIL {
                 continue;
             }
             if let Form::Cross(point) = shape.form {
-                let pixel = self.frame.pixel_of(point).round();
+                let pixel = self.viewport.pixel_of(point).round();
                 if !crosses.insert((pixel.x as i64, pixel.y as i64)) {
                     continue;
                 }
@@ -203,7 +203,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         match &shape.form {
             Form::Polygon(corners) => {
                 if let Some(fill) = shape.fill {
-                    let corners = self.frame.clip_area(corners);
+                    let corners = self.viewport.clip_area(corners);
                     self.canvas.area(&self.pixels_of(&corners), fill)?;
                 }
                 let mut outline = corners.clone();
@@ -212,37 +212,37 @@ impl<B: Surface> Painter<'_, '_, B> {
             }
             Form::Path(points) => shape.line.map_or(Ok(()), |line| self.path(points, line)),
             Form::Disc { centre, radius, min_radius_px } => {
-                if !self.frame.contains(*centre) {
+                if !self.viewport.contains(*centre) {
                     return Ok(());
                 }
-                let radius = (radius * self.frame.scale()).max(*min_radius_px);
-                self.canvas.disc(self.frame.pixel_of(*centre), radius, shape.fill, shape.line)
+                let radius = (radius * self.viewport.scale()).max(*min_radius_px);
+                self.canvas.disc(self.viewport.pixel_of(*centre), radius, shape.fill, shape.line)
             }
             Form::Needle { pose, length, min_length_px } => {
-                let length = length.max(min_length_px / self.frame.scale());
+                let length = length.max(min_length_px / self.viewport.scale());
                 let points = [pose.position, pose.position + pose.heading.direction() * length];
                 shape.line.map_or(Ok(()), |line| self.path(&points, line))
             }
             Form::Arrow(pose) => {
                 let direction = pose.heading.direction();
-                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.pixel_of(pose.position), direction, line))
+                shape.line.map_or(Ok(()), |line| self.arrow(self.viewport.pixel_of(pose.position), direction, line))
             }
-            Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.frame.pixel_of(*point), line)),
+            Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.viewport.pixel_of(*point), line)),
         }
     }
 
     fn path(&mut self, points: &[DVec2], line: Line) -> Result<(), PlotError> {
-        for part in self.frame.clip_path(points) {
+        for part in self.viewport.clip_path(points) {
             self.canvas.path(&self.pixels_of(&part), line)?;
         }
         Ok(())
     }
 
     fn pixels_of(&self, points: &[DVec2]) -> Vec<DVec2> {
-        points.iter().map(|point| self.frame.pixel_of(*point)).collect()
+        points.iter().map(|point| self.viewport.pixel_of(*point)).collect()
     }
 
-    /// Draws an arrow of 20 pixels from `at` along `direction`, given in the world frame.
+    /// Draws an arrow of 20 pixels from `at` along `direction`, given in the world viewport.
     fn arrow(&mut self, at: DVec2, direction: DVec2, line: Line) -> Result<(), PlotError> {
         let forward = DVec2::new(direction.x, -direction.y);
         let tip = at + 20.0 * forward;
@@ -259,8 +259,8 @@ impl<B: Surface> Painter<'_, '_, B> {
     }
 
     fn labels(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
-        let obstacles = drawing.labels.iter().map(|label| Obstacle::around(label, self.frame));
-        let mut labels = Labels::new(self.frame, obstacles.collect());
+        let obstacles = drawing.labels.iter().map(|label| Obstacle::around(label, self.viewport));
+        let mut labels = Labels::new(self.viewport, obstacles.collect());
         for label in &drawing.labels {
             let Some((corner, text)) = labels.place(label) else { continue };
             // A translucent background separates the text from the lines below it.
@@ -275,11 +275,12 @@ impl<B: Surface> Painter<'_, '_, B> {
 
     /// Draws the scale bar, and as many lines of the legend as fit.
     fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
-        let (width, height) = self.frame.picture_size();
+        let (width, height) = self.viewport.picture_size();
         let left_edge = f64::from(width) - LEGEND;
         let row = |index: usize| TOP + ROW * (index as f64 + 0.5);
-        let length = round_step(MIN_SCALE_BAR / self.frame.scale());
-        let (from, to) = (DVec2::new(left_edge, row(0)), DVec2::new(left_edge + length * self.frame.scale(), row(0)));
+        let length = round_step(MIN_SCALE_BAR / self.viewport.scale());
+        let (from, to) =
+            (DVec2::new(left_edge, row(0)), DVec2::new(left_edge + length * self.viewport.scale(), row(0)));
         let serif = DVec2::new(0.0, 4.0);
         self.canvas.path(&[from - serif, from + serif], AXIS)?;
         self.canvas.path(&[from, to], Line::solid(INK, 2.0))?;

@@ -12,8 +12,8 @@ use sim_format::MeshReader;
 use sim_format::path;
 
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
-use super::frame::metres;
 use super::robot::{RobotStyle, draw_body, draw_fittings, draw_sensors, label_sensors};
+use super::viewport::metres;
 use super::{colour, ground, object};
 
 /// Maximum number of robots that get labels: more labels would hide the picture.

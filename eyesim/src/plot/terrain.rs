@@ -7,7 +7,7 @@ use sim_core::scene::{Bounds, HeightField, Texture};
 
 use super::colour::SHADE;
 use super::drawing::{Backdrop, Drawing, Line, Symbol};
-use super::frame::metres;
+use super::viewport::metres;
 
 /// Longer side of the image, in pixels.
 const PIXELS: f64 = 900.0;

@@ -8,8 +8,8 @@ use sim_core::pose::Pose;
 use sim_core::spec::{RobiSpec, WorldSpec};
 use sim_format::{read_esobj, read_robi, read_world};
 
-use super::frame::Frame;
 use super::run::{RunObject, RunPicture, RunRobot, draw_run};
+use super::viewport::Viewport;
 use super::{Drawing, PictureKind, PlotError, render};
 
 fn robi(name: &str) -> Arc<RobiSpec> {
@@ -198,7 +198,7 @@ fn walls_and_floor_have_the_right_pixels() {
     let drawing = drawing(2.0, 0);
     for size in [None, Some((900, 600)), Some((600, 900)), Some((3000, 2000))] {
         let (low, high) = drawing.extent();
-        let frame = Frame::around(low, high, size);
+        let frame = Viewport::around(low, high, size);
         let image = pixels(&drawing, size);
         assert_eq!(image.dimensions(), frame.picture_size());
         let at = |x: f64, y: f64| {

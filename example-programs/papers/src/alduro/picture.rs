@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Context as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use mapping::grid::{Frame, Grid, png};
+use mapping::grid::{Grid, GridGeometry, png};
 use mapping::pose::Point;
 
 use crate::page::{Picture, escaped};
@@ -67,7 +67,7 @@ fn draw(
     (low, high): (f64, f64),
 ) -> anyhow::Result<()> {
     const CELLS: usize = 200;
-    let frame = Frame::new(Point::new(0.0, 0.0), side / CELLS as f64, CELLS, CELLS);
+    let frame = GridGeometry::new(Point::new(0.0, 0.0), side / CELLS as f64, CELLS, CELLS);
     let grid = Grid::from_fn(frame, |cell| {
         let middle = frame.centre(cell);
         (panel.height)(middle.x, middle.y)

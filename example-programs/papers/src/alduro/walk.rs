@@ -6,7 +6,7 @@ use anyhow::{Context as _, ensure};
 use glam::DVec2;
 use mapping::astar::shortest_path;
 use mapping::distance::distances;
-use mapping::grid::{Cell, Frame, Grid};
+use mapping::grid::{Cell, Grid, GridGeometry};
 use mapping::pose::Point;
 use sim_core::scene::{Boulders, Disc, HeightField};
 
@@ -166,7 +166,7 @@ pub fn routes(first: u64, terrains: usize, relief: f64, boulders: Boulders) -> a
 /// The shortest path with clearance and its length, m.
 fn shortest(field: &HeightField) -> Option<(Vec<(f64, f64)>, f64)> {
     let count = (SIDE * UNIT / CELL).round() as usize;
-    let frame = Frame::new(Point::new(0.0, 0.0), CELL, count, count);
+    let frame = GridGeometry::new(Point::new(0.0, 0.0), CELL, count, count);
     let heights = Grid::from_fn(frame, |cell| {
         let middle = frame.centre(cell);
         field.height(middle.x, middle.y)

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use mapping::grid::{Cell, Frame};
+use mapping::grid::{Cell, GridGeometry};
 use mapping::line::{dda, point_by_point, supercover};
 use mapping::math;
 use mapping::pose::{Point, direction};
@@ -211,7 +211,7 @@ fn panel(example: &Example, model: &Model) -> String {
 fn cells() -> Figure {
     const SIDE: f64 = 22.0;
     const CELLS: (usize, usize) = (13, 8);
-    let frame = Frame::new(Point::origin(), 1.0, CELLS.0, CELLS.1);
+    let frame = GridGeometry::new(Point::origin(), 1.0, CELLS.0, CELLS.1);
     let (from, to) = (Cell::new(1, 1), Cell::new(11, 5));
     let touched = supercover(&frame, frame.centre(from), frame.centre(to));
     let (by_points, by_dda) = (point_by_point(from, to), dda(from, to));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail, ensure};
 use mapping::astar;
-use mapping::grid::{Frame, Grid};
+use mapping::grid::{Grid, GridGeometry};
 use mapping::line::supercover;
 use mapping::log_odds::{LogOddsGrid, SonarModel, log_odds};
 use mapping::math;
@@ -240,7 +240,7 @@ impl Mapped {
     }
 
     /// Makes a map of the readings.
-    fn map(&self, kind: MapMethod, frame: &Frame) -> Grid<Occupancy> {
+    fn map(&self, kind: MapMethod, frame: &GridGeometry) -> Grid<Occupancy> {
         let probabilities = match kind {
             MapMethod::Wu => self.wu(frame, Raster::PointByPoint),
             MapMethod::WuDda => self.wu(frame, Raster::Dda),
@@ -256,13 +256,13 @@ impl Mapped {
         probabilities.map(|probability| Occupancy::of(*probability))
     }
 
-    fn wu(&self, frame: &Frame, raster: Raster) -> Grid<f64> {
+    fn wu(&self, frame: &GridGeometry, raster: Raster) -> Grid<f64> {
         let mut map = SectorMap::new(*frame, FAN, raster);
         self.readings.iter().for_each(|readings| map.add(readings));
         map.probabilities().clone()
     }
 
-    fn wu_log_odds(&self, frame: &Frame) -> Grid<f64> {
+    fn wu_log_odds(&self, frame: &GridGeometry) -> Grid<f64> {
         // Certain cells have the weight of the most certain echo, other than the robot's own body.
         const SUREST: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
@@ -275,7 +275,7 @@ impl Mapped {
         map.probabilities()
     }
 
-    fn plain(&self, frame: &Frame, silence: Silence) -> Grid<f64> {
+    fn plain(&self, frame: &GridGeometry, silence: Silence) -> Grid<f64> {
         let mut map = SonarGrid::new(*frame, BEAM, silence);
         self.echoes().for_each(|echo| map.add(echo));
         map.probabilities()
@@ -291,18 +291,18 @@ impl Mapped {
 }
 
 /// The frame of the map, and the pose of the robot's start, in the world.
-fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
+fn frame(scene: &SceneSpec) -> anyhow::Result<(GridGeometry, Pose)> {
     let robot = scene.robots.first().context("a scene without a robot")?;
     let numbers: Vec<f64> = robot.arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
     let [x0, y0, x1, y1, cell] = numbers[..] else { bail!("`{}`: expected five numbers", robot.arguments.join(" ")) };
-    let frame = Frame::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3);
+    let frame = GridGeometry::covering(Point::new(x0 / 1e3, y0 / 1e3), Point::new(x1 / 1e3, y1 / 1e3), cell / 1e3);
     let start = &robot.start;
     Ok((frame, Pose::new(start.position.x, start.position.y, start.heading.radians())))
 }
 
 /// Ground truth from the walls, in the frame of the start. A cell is free if it can be reached from the start without
 /// crossing a wall. A wall cell with a free neighbour is a surface. All other cells are hidden.
-pub fn truth(walls: impl Iterator<Item = [Point; 2]>, frame: &Frame) -> Grid<Truth> {
+pub fn truth(walls: impl Iterator<Item = [Point; 2]>, frame: &GridGeometry) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
     for [from, to] in walls {
         for cell in supercover(frame, from, to) {

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::binary::Binary;
-use super::frame::Frame;
 use super::node::{Box3, Child, Node, PADDING, Tree, TriangleBatch, WIDTH};
+use super::transform::TreeTransform;
 
 /// Maximum depth of a tree.
 pub(super) const MAX_DEPTH: usize = 24;
@@ -16,7 +16,7 @@ const BALANCED_FROM: usize = 14;
 const BATCH_COST: f32 = 1.0;
 
 /// The tree over the triangles with these `indices`.
-pub(super) fn tree(triangles: &[[DVec3; 3]], indices: &[u32], frame: &Frame) -> Tree {
+pub(super) fn tree(triangles: &[[DVec3; 3]], indices: &[u32], frame: &TreeTransform) -> Tree {
     let tree_corners: Vec<[Vec3; 3]> = indices
         .iter()
         .map(|&index| triangles[index as usize].map(|corner| frame.tree_from_mesh(corner).as_vec3()))

@@ -6,19 +6,19 @@
 
 mod binary;
 mod build;
-mod frame;
 mod node;
 mod ray;
 #[cfg(test)]
 mod tests;
+mod transform;
 mod walk;
 
 use fearless_simd::Level;
 use glam::DVec3;
 
-use frame::Frame;
 use node::Tree;
 use ray::Ray;
+use transform::TreeTransform;
 
 /// The nearest triangle along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ pub struct MeshHit {
 pub struct MeshIndex {
     /// Number of triangles.
     count: usize,
-    frame: Option<Frame>,
+    frame: Option<TreeTransform>,
     tree: Tree,
     level: Level,
 }
@@ -74,7 +74,7 @@ impl MeshIndex {
         assert!(triangles.len() < 1 << 28, "a mesh has fewer than 2^28 triangles");
         let candidates: Vec<u32> =
             (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(index, _)| index).collect();
-        let frame = Frame::around(candidates.iter().flat_map(|&index| triangles[index as usize]));
+        let frame = TreeTransform::around(candidates.iter().flat_map(|&index| triangles[index as usize]));
         let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &candidates, &frame));
         Self { count: triangles.len(), frame, tree, level }
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::frame::{Frame, RayEntry};
+use super::transform::{RayEntry, TreeTransform};
 
 /// A ray and its nearest hit so far.
 pub(super) struct Ray {
@@ -67,7 +67,7 @@ impl Corner {
 }
 
 impl Ray {
-    pub fn new(entry: &RayEntry, direction: DVec3, reciprocal: DVec3, range: f64, frame: &Frame) -> Self {
+    pub fn new(entry: &RayEntry, direction: DVec3, reciprocal: DVec3, range: f64, frame: &TreeTransform) -> Self {
         let [x, y, z] = direction.abs().to_array();
         let last = if x > y && x > z {
             0

@@ -1,9 +1,9 @@
 //! Traversal of the tree by a ray, eight boxes and eight triangles at a time.
 
 use super::build::MAX_DEPTH;
-use super::frame::Frame;
 use super::node::{Child, Node, Tree, TriangleBatch, WIDTH};
 use super::ray::Ray;
+use super::transform::TreeTransform;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 
@@ -19,7 +19,7 @@ const MAX_STACK: usize = 7 * MAX_DEPTH;
 const MAX_PATH: f64 = 8.0;
 
 /// Tests `ray` against every triangle that it may hit before its nearest hit.
-pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
+pub(super) fn nearest(level: Level, tree: &Tree, frame: &TreeTransform, ray: &mut Ray) {
     if let Some(root) = tree.root {
         if 7 * tree.depth <= USUAL_STACK {
             dispatch!(level, simd => walk::<_, USUAL_STACK>(simd, tree, root, frame, ray));
@@ -79,7 +79,7 @@ impl<S: Simd> Slab<S> {
 
 impl<S: Simd> Probe<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray, frame: &Frame) -> Self {
+    fn new(simd: S, ray: &Ray, frame: &TreeTransform) -> Self {
         let origin = frame.tree_from_mesh(ray.origin).as_vec3();
         let ([first, second, last], [shear_first, shear_second]) = (ray.axes(), ray.shear());
         Self {
@@ -148,7 +148,7 @@ impl<S: Simd> Probe<S> {
 
 /// A distance in tree units, rounded up.
 #[inline(always)]
-fn upper_bound(distance: f64, frame: &Frame) -> f32 {
+fn upper_bound(distance: f64, frame: &TreeTransform) -> f32 {
     ((distance * frame.scale).min(MAX_PATH) * (1.0 + 1e-6)) as f32
 }
 
@@ -160,7 +160,7 @@ fn entry(near: &[f32; WIDTH], node: &Node, lane: u32) -> u64 {
 }
 
 #[inline(always)]
-fn walk<S: Simd, const STACK: usize>(simd: S, tree: &Tree, root: Child, frame: &Frame, ray: &mut Ray) {
+fn walk<S: Simd, const STACK: usize>(simd: S, tree: &Tree, root: Child, frame: &TreeTransform, ray: &mut Ray) {
     let probe = Probe::new(simd, ray, frame);
     let mut farthest = upper_bound(ray.distance(), frame);
     let mut stack = [0_u64; STACK];

@@ -175,12 +175,12 @@ impl Case {
         Run { name: self.name.clone(), scene: Scene::Text(self.scene.clone()), options }
     }
 
-    /// Frame of the map, as in the robot's arguments, m.
-    pub fn frame(&self) -> mapping::grid::Frame {
+    /// GridGeometry of the map, as in the robot's arguments, m.
+    pub fn frame(&self) -> mapping::grid::GridGeometry {
         let ends = || self.walls.iter().flatten();
         let round = |edge: f64| (1e3 * edge).round() / 1e3;
         let low = |axis: usize| round(ends().map(|end| end[axis]).fold(f64::INFINITY, f64::min) - MARGIN);
         let high = |axis: usize| round(ends().map(|end| end[axis]).fold(f64::NEG_INFINITY, f64::max) + MARGIN);
-        mapping::grid::Frame::covering(Point::new(low(0), low(1)), Point::new(high(0), high(1)), 0.05)
+        mapping::grid::GridGeometry::covering(Point::new(low(0), low(1)), Point::new(high(0), high(1)), 0.05)
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Transform from the mesh's metres to the tree's coordinates, which lie in [-1, 1] for any extent of the mesh. The
 /// rounding of `f32` is then the same for every mesh, and nothing overflows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct TreeTransform {
     /// Bounds of the mesh.
     pub low: DVec3,
     pub high: DVec3,
@@ -30,7 +30,7 @@ pub(super) struct RayEntry {
 /// Enlargement of the bounds when rays enter them, in tree units.
 const MARGIN: f64 = 1.0 / (1 << 20) as f64;
 
-impl Frame {
+impl TreeTransform {
     /// The frame of a mesh with these corners; `None` without corners.
     pub fn around(mut corners: impl Iterator<Item = DVec3>) -> Option<Self> {
         let first = corners.next()?;

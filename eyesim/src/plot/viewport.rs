@@ -20,15 +20,15 @@ pub const LEGEND: f64 = 210.0;
 
 /// Visible part of the world, and its scale.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct Viewport {
     min: DVec2,
     max: DVec2,
     /// Pixels per metre.
     scale: f64,
 }
 
-impl Frame {
-    /// Frame that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total size
+impl Viewport {
+    /// Viewport that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total size
     /// of `size` pixels, or a suitable size.
     pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
         let (centre, extent) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
@@ -129,7 +129,7 @@ impl Frame {
         if corners.iter().all(|corner| self.contains(*corner)) {
             return corners.to_vec();
         }
-        // Clips the polygon at one side of the frame after the other. Each function gives the distance of a point from a
+        // Clips the polygon at one side of the viewport after the other. Each function gives the distance of a point from a
         // side, positive inside.
         let sides: [&dyn Fn(DVec2) -> f64; 4] =
             [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {
@@ -177,21 +177,21 @@ mod tests {
     #[test]
     fn both_axes_have_one_scale_and_y_points_up() {
         for size in [None, Some((1000, 500)), Some((400, 1000))] {
-            let frame = Frame::around(DVec2::new(-1.0, 2.0), DVec2::new(3.0, 4.0), size);
-            let (a, b, c) = (frame.pixel_of(DVec2::ZERO), frame.pixel_of(DVec2::X), frame.pixel_of(DVec2::Y));
-            assert!((b - a - DVec2::new(frame.scale(), 0.0)).length() < 1e-9, "{a} {b}");
-            assert!((c - a - DVec2::new(0.0, -frame.scale())).length() < 1e-9, "{a} {c}");
-            assert!(frame.contains(DVec2::new(-1.0, 2.0)) && frame.contains(DVec2::new(3.0, 4.0)));
-            assert_eq!(frame.picture_size(), size.unwrap_or((LEFT as u32 + 800 + 14 + 210, 36 + 420 + 50)));
+            let viewport = Viewport::around(DVec2::new(-1.0, 2.0), DVec2::new(3.0, 4.0), size);
+            let (a, b, c) = (viewport.pixel_of(DVec2::ZERO), viewport.pixel_of(DVec2::X), viewport.pixel_of(DVec2::Y));
+            assert!((b - a - DVec2::new(viewport.scale(), 0.0)).length() < 1e-9, "{a} {b}");
+            assert!((c - a - DVec2::new(0.0, -viewport.scale())).length() < 1e-9, "{a} {c}");
+            assert!(viewport.contains(DVec2::new(-1.0, 2.0)) && viewport.contains(DVec2::new(3.0, 4.0)));
+            assert_eq!(viewport.picture_size(), size.unwrap_or((LEFT as u32 + 800 + 14 + 210, 36 + 420 + 50)));
         }
     }
 
     #[test]
     fn lines_and_areas_are_clipped_at_the_frame() {
-        let frame = Frame::around(DVec2::ZERO, DVec2::splat(10.0), Some((1296, 1086)));
-        let (low, high) = frame.corners();
+        let viewport = Viewport::around(DVec2::ZERO, DVec2::splat(10.0), Some((1296, 1086)));
+        let (low, high) = viewport.corners();
         assert!((low - DVec2::splat(-0.25)).length() < 1e-9 && (high - DVec2::splat(10.25)).length() < 1e-9);
-        let parts = frame.clip_path(&[
+        let parts = viewport.clip_path(&[
             DVec2::new(-5.0, 5.0),
             DVec2::new(5.0, 5.0),
             DVec2::new(5.0, 20.0),
@@ -201,16 +201,16 @@ mod tests {
         assert_eq!(parts.len(), 2, "{parts:?}");
         assert!((parts[0][0] - DVec2::new(-0.25, 5.0)).length() < 1e-9);
         assert!((parts[0][2] - DVec2::new(5.0, 10.25)).length() < 1e-9);
-        assert!(frame.clip_path(&[DVec2::new(-5.0, -5.0), DVec2::new(-1.0, 20.0)]).is_empty());
-        let area = frame.clip_area(&[
+        assert!(viewport.clip_path(&[DVec2::new(-5.0, -5.0), DVec2::new(-1.0, 20.0)]).is_empty());
+        let area = viewport.clip_area(&[
             DVec2::new(5.0, 5.0),
             DVec2::new(20.0, 5.0),
             DVec2::new(20.0, 20.0),
             DVec2::new(5.0, 20.0),
         ]);
         assert_eq!(area.len(), 4);
-        assert!(area.iter().all(|corner| frame.contains(*corner) && corner.min_element() >= 5.0), "{area:?}");
-        assert!(frame.clip_area(&[DVec2::splat(20.0), DVec2::splat(30.0), DVec2::new(20.0, 30.0)]).is_empty());
+        assert!(area.iter().all(|corner| viewport.contains(*corner) && corner.min_element() >= 5.0), "{area:?}");
+        assert!(viewport.clip_area(&[DVec2::splat(20.0), DVec2::splat(30.0), DVec2::new(20.0, 30.0)]).is_empty());
     }
 
     #[test]
