@@ -68,7 +68,7 @@ fn random_bodies_match_brute_force() {
     for (seed, corner) in (0..).zip([DVec2::ZERO, DVec2::new(-5.0, -5.0), DVec2::new(1e4, -1e4)]) {
         let mut random = Random::new(seed);
         let arena = Bounds { min: corner, max: corner + DVec2::splat(10.0) };
-        // In the second set, one body in twenty is nearly as large as the arena.
+        // First only bodies with a radius of 0.1 m; then one body in twenty has a radius of 1 m to 10 m.
         for large in [0.0, 0.05] {
             let list: Vec<_> = (0..200)
                 .map(|index| {

@@ -1,5 +1,5 @@
-//! The simulation as a value: a step of one robot that reads eight range sensors, restoring a snapshot, and a new
-//! start.
+//! Benches of the simulation without programs: `step` and `noisy-step` advance one robot by a slot and read its eight
+//! range sensors, `restore` copies a snapshot back, `restart` begins anew.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use sim_core::RobotId;

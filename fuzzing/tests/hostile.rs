@@ -1,8 +1,8 @@
 //! Inputs made to break a reader: huge numbers, huge names, deep nesting, very many lines.
 //!
-//! Each input must keep the invariants, one of which bounds the length of diagnostics. No test measures time: the inputs are so
-//! large that a reader of quadratic complexity would not finish (10^5 lines squared take minutes, 10^6 hours). Calls to the file
-//! system during a load are counted.
+//! For each input, the reader must keep the invariants of [`fuzzing`]; one of them bounds the number of diagnostics per
+//! file. No test measures time: the inputs are so large that a reader of quadratic complexity would not finish (10^5
+//! lines squared take minutes, 10^6 hours). Calls to the file system during a load are counted.
 
 use std::cell::Cell;
 use std::fmt::Write;
@@ -290,17 +290,17 @@ fn very_long_rows_hold() {
 /// Counts the calls to an archive's file system.
 struct Counted {
     archive: Archive,
-    asked: Cell<usize>,
+    calls: Cell<usize>,
 }
 
 impl Files for Counted {
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
-        self.asked.set(self.asked.get() + 1);
+        self.calls.set(self.calls.get() + 1);
         self.archive.read(path)
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
-        self.asked.set(self.asked.get() + 1);
+        self.calls.set(self.calls.get() + 1);
         self.archive.list(folder)
     }
 
@@ -310,9 +310,9 @@ impl Files for Counted {
 }
 
 fn load(text: &str) -> (Loaded, usize) {
-    let files = Counted { archive: Archive::new(text.as_bytes()), asked: Cell::new(0) };
+    let files = Counted { archive: Archive::new(text.as_bytes()), calls: Cell::new(0) };
     let loaded = sim_format::load_scene(files.archive.first(), &files);
-    (loaded, files.asked.get())
+    (loaded, files.calls.get())
 }
 
 const ROBOT: &str = "-- a.robi --\ndiameter 100\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
@@ -323,14 +323,14 @@ fn a_crowd_of_one_type_reads_its_file_once() {
     for number in 0..MANY {
         writeln!(sim, "robi a.robi p.so {} {} 0", 200 * (number % 316) + 100, 200 * (number / 316) + 100).unwrap();
     }
-    let (loaded, asked) = load(&format!("{sim}-- w.wld --\nfloor 64000 64000\n{ROBOT}"));
+    let (loaded, calls) = load(&format!("{sim}-- w.wld --\nfloor 64000 64000\n{ROBOT}"));
     assert_eq!((loaded.scene.robots.len(), loaded.diagnostics.len()), (MANY, 0));
-    assert!(asked < 20, "{asked} questions");
+    assert!(calls < 20, "{calls} questions");
     check("load_scene", format!("{sim}-- w.wld --\nfloor 64000 64000\n{ROBOT}").as_bytes());
 }
 
 #[test]
-fn robots_on_one_spot_are_told_and_cut_off() {
+fn diagnostics_of_robots_on_one_spot_are_truncated() {
     let sim = format!("-- a.sim --\nworld w.wld\n{}", "robi a.robi p.so 500 500 0\n".repeat(MANY / 10));
     let (loaded, _) = load(&format!("{sim}-- w.wld --\nfloor 1000 1000\n0 0 1000 0\n{ROBOT}"));
     assert_eq!(loaded.scene.robots.len(), MANY / 10);
@@ -347,11 +347,11 @@ fn missing_files_cost_a_fixed_number_of_questions_each() {
         }
         load(&format!("{sim}-- w.wld --\nfloor 1000 1000\n"))
     };
-    let (few, asked_for_few) = scene(1000);
+    let (few, calls_for_few) = scene(1000);
     let (_, asked_for_many) = scene(10_000);
     assert!(few.has_errors());
     assert!(
-        asked_for_many <= 10 * asked_for_few,
-        "{asked_for_few} questions for 1000, {asked_for_many} for 10000 files"
+        asked_for_many <= 10 * calls_for_few,
+        "{calls_for_few} questions for 1000, {asked_for_many} for 10000 files"
     );
 }

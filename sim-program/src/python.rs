@@ -19,7 +19,7 @@ pub struct Python {
     /// The interpreter: `$PYTHON`, otherwise the interpreter of the [host](host), otherwise `python3` on the search
     /// path.
     interpreter: PathBuf,
-    /// File of the module `eye`; run as a script, it runs a program.
+    /// File of the module `eye`. Started as a script, it runs the robot program that its argument names.
     eye: PathBuf,
 }
 
@@ -40,7 +40,8 @@ impl PythonHome {
     /// # Errors
     /// It does not start, or does not answer.
     fn query(interpreter: &Path) -> io::Result<Self> {
-        // The modules are imported before files of the working folder could shadow them.
+        // Files of the working folder cannot shadow `sys` and `site`: the interpreter has imported both before it adds
+        // that folder to its search path.
         const QUERY: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
         let mut command = Command::new(interpreter);
         let answer = build_output(command.args(["-c", QUERY]), COMMAND_TIMEOUT)?;
@@ -58,7 +59,8 @@ impl PythonHome {
         Ok(Self { executable, user_base, folders })
     }
 
-    /// Lets `command` find the user's modules without the user's environment.
+    /// Sets the variable with which `command`, which does not inherit the user's environment, finds the modules that
+    /// the user has installed.
     fn keep_modules(&self, command: &mut Command) {
         if !self.user_base.as_os_str().is_empty() {
             command.env("PYTHONUSERBASE", &self.user_base);
@@ -113,8 +115,8 @@ pub enum PythonError {
 }
 
 impl Python {
-    /// Finds the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`]
-    /// explains later why a program did not start.
+    /// Finds the interpreter and writes `eye.py` into `cache`. Does not start the interpreter. If a program fails to
+    /// start later, [`Self::check`] finds out whether the interpreter is the reason.
     ///
     /// # Errors
     /// [`PythonError`].

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tests::{Scratch, number, root};
 
-/// Runs a sample scene, whose robots must all end without a contact.
+/// Runs a sample scene, in which every program must finish.
 fn run(scene: &str, args: &[&str]) -> Value {
     let path = root().join("sims").join(scene);
     let report = Scratch::new().report(path.to_str().expect("UTF-8"), args, 0);
@@ -30,8 +30,8 @@ fn the_quad_tree_leads_through_the_flat() {
     let report = run("quad-tree.sim", &[]);
     let robot = &report["robots"][0];
     assert_near(robot, [3.6, 2.6], 0.03);
-    // The straight line is 3.9 m, and the way around the walls is longer. Along the centres of squares it is less than
-    // twice as long.
+    // The straight line to the goal is 3.9 m. The way around the walls, along the centres of squares, is longer, but
+    // less than twice as long.
     assert!((4.0..7.0).contains(&number(robot, "path_m")), "{robot:#}");
 }
 
@@ -58,7 +58,8 @@ fn distbug_gets_around_obstacles_that_it_does_not_know() {
     assert_near(robot, [3.6, 1.5], 0.05);
     assert!(robot["lcd"].to_string().contains("goal after"), "{robot:#}");
     assert_eq!(robot["contacts"], 0, "{robot:#}");
-    // A goal inside the pocket's wall cannot be reached: the robot prints this after it has gone once around.
+    // This goal is inside a wall of the pocket (worlds/bug.wld). The robot drives once around the pocket and then
+    // prints that there is no way.
     let path = root().join("sims/distbug.sim");
     let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", "2350 -550"], 1);
     assert!(report["robots"][0]["lcd"].to_string().contains("no way"), "{report:#}");

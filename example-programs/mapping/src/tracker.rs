@@ -1,13 +1,14 @@
-//! Maps of sonar sectors ([`sector`](crate::sector)) with a pose corrected at each look, instead of odometry alone.
+//! Builds the map of sonar sectors ([`sector`](crate::sector)) from corrected poses: each look (the readings of all
+//! sonars at one instant) corrects the pose that odometry gives.
 //!
 //! A [`Tracker`] adds the motion since the last look to its [`Belief`]. It corrects the belief by comparing the look's
 //! readings with the map so far, from all earlier stops and the earlier looks of this stop. Readings go into the map
 //! with the corrected pose. The map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected
 //! again.
 //!
-//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (the alternative to many
-//! maps, one for each particle). The map of the current stop is our choice: it contains the readings from before the
-//! robot turned around.
+//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (one map, where a
+//! particle filter keeps a map for each particle). That a look is also compared with the earlier looks of its own stop is our choice:
+//! after the robot has turned around at a stop, the readings from before the turn are already in the map.
 
 use crate::grid::{Grid, GridGeometry};
 use crate::localise::{Belief, OdometryNoise};
@@ -37,7 +38,7 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// An empty map and a robot at its origin, where its odometry is exact.
+    /// Starts with an empty map. The robot is at the map's origin, with a pose that is exactly known.
     pub fn new(frame: GridGeometry, fan: Fan, raster: Raster, correction: Correction) -> Self {
         let start = Pose::new(0.0, 0.0, 0.0);
         Self {
@@ -60,7 +61,8 @@ impl Tracker {
         &self.belief
     }
 
-    /// Takes a look with its pose by odometry, and returns it with the corrected pose.
+    /// Corrects the pose with `look`, whose `robot` is the pose by odometry, and keeps its readings for the map.
+    /// Returns the look with the corrected pose.
     pub fn look(&mut self, look: &Look) -> Look {
         self.belief = self.belief.moved(&self.odometry, &look.robot, &self.correction.odometry);
         self.odometry = look.robot;
@@ -92,7 +94,8 @@ fn angles(look: &Look, fan: &Fan) -> impl Iterator<Item = f64> + use<> {
     (0..count).map(move |index| (index as f64 - 0.5 * (count as f64 - 1.0)) * sector)
 }
 
-/// Points of the lines of each sector, at most `apart` from each other, in the robot's frame, m.
+/// For each sector, points on the lines of its model, in the robot's frame, m. Neighbouring points of a line are at
+/// most `apart` from each other.
 fn points(look: &Look, fan: &Fan, apart: f64) -> Vec<Vec<Point>> {
     let at = |index: usize| look.distances.get(index).copied().flatten();
     let of_sector = |(index, angle): (usize, f64)| {

@@ -39,12 +39,12 @@ pub enum Pace {
     },
 }
 
-/// The length that a sliding point has covered as a function of time, in closed form. The length increases as long as
-/// the path is valid.
+/// The length that a sliding point has covered as a function of time, in closed form. The length never decreases while
+/// the law holds, that is, until the contact changes between sliding left, sliding right, rolling and rest.
 ///
-/// Beta is defined in docs/motion.md, section Sliding. It is the angle from the normal of the contact to the push, plus
-/// the angle of friction if the rim slides to the left of the normal, or minus that angle if the rim slides to the
-/// right.
+/// Beta is defined in docs/motion.md, section Sliding. It is the angle from the normal of the contact to the push (the
+/// velocity that the wheels would give the centre without contacts), plus the angle of friction if the rim slides to
+/// the left of the normal, or minus that angle if the rim slides to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LengthLaw {
     /// Constant speed, m/s.
@@ -59,7 +59,7 @@ pub enum LengthLaw {
         rate: f64,
     },
     /// A body slides around a point, such as a wall's end, at the speed `speed` sin(beta); beta changes at the rate
-    /// `rate` - `speed` / `radius` sin(beta).
+    /// `rate` - (`speed` / `radius`) sin(beta).
     Round {
         /// Distance of the track from the point, m.
         radius: f64,
@@ -110,14 +110,14 @@ impl LengthLaw {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return 0.0 };
         let sliding_rate = speed / radius;
         let (sin, cos) = math::sin_cos(phase);
-        // z = tan(beta / 2) obeys a Riccati equation. As a quotient of two solutions of a linear equation, z has no
-        // pole.
+        // z = tan(beta / 2) obeys a Riccati equation. It is a quotient of two solutions of a linear equation. `atan2`
+        // takes numerator and denominator separately, so a pole of z needs no special case.
         let (even, odd) = linear_solutions(sliding_rate, rate, seconds);
         2.0 * math::atan2(0.5 * odd * (rate - sliding_rate * sin), even + 0.5 * odd * sliding_rate * cos)
     }
 
-    /// Seconds until the beta of [`LengthLaw::Round`] has changed by `angle`, at most half a turn; infinite if it never
-    /// does.
+    /// Seconds until the beta of [`LengthLaw::Round`] has changed by `angle`, rad; infinite if it never does. `angle`
+    /// is at most half a turn.
     pub(super) fn seconds_to_turn(&self, angle: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return f64::INFINITY };
         let sliding_rate = speed / radius;
@@ -141,8 +141,9 @@ impl LengthLaw {
 }
 
 /// Even and odd solution of the linear equation y'' = s y at the time t = `seconds`, with s = (`sliding_rate`^2 -
-/// `rate`^2) / 4. Let q = sqrt |s|. For s > 0 the solutions are cosh(q t) and sinh(q t) / q, both divided by cosh(q t).
-/// For s < 0 they are cos(q t) and sin(q t) / q.
+/// `rate`^2) / 4. Let q = sqrt |s|. The results have a common factor, since callers use only their quotient: for s > 0
+/// the solutions cosh(q t) and sinh(q t) / q are divided by cosh(q t), so that they do not overflow. For s < 0 they are
+/// cos(q t) and sin(q t) / q.
 fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
     let s = 0.25 * (sliding_rate - rate) * (sliding_rate + rate);
     let q = s.abs().sqrt();
@@ -158,9 +159,9 @@ fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Maximum angle, rad, of an arc that is enclosed in a disc around its tangent instead of a disc around its middle. The
-/// disc is enlarged by the maximum distance between arc and tangent: half of the acceleration times the squared time.
-/// This needs no trigonometric function. Our choice.
+/// Maximum angle, rad, of an arc that is enclosed in a disc whose centre is on the tangent at its start; the disc of a
+/// longer arc has its centre on the arc. The disc is enlarged by the maximum distance between arc and tangent: half of
+/// the acceleration times the squared time. This needs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {
@@ -200,7 +201,8 @@ impl Path {
         }
     }
 
-    /// Seconds in which motion with the twist of the path reaches the position that the point has after `seconds`.
+    /// Time at which the twist alone would bring the point to its position after `seconds`: `seconds` itself for a
+    /// constant twist; for a sliding point the covered length, since its twist has the speed 1 m/s.
     fn twist_seconds(&self, seconds: f64) -> f64 {
         match self.pace {
             Pace::ConstantTwist => seconds,

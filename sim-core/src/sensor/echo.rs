@@ -1,10 +1,12 @@
+//! Laser, ultrasonic and reflectance sensors of France et al. 1999.
+
 use glam::DVec3;
 
 use super::Reading;
 use crate::math;
 
-/// Standard deviation of the noise N of all three sensors of the paper; the mean of N is 0. Source: France et al. 1999,
-/// section 5.
+/// Standard deviation of the paper's relative noise N (a reading is d (1 + N)), the same for laser, ultrasonic and
+/// reflectance sensors; the mean of N is 0. Source: France et al. 1999, section 5.
 pub const FRANCE_1999_SIGMA: f64 = 0.01;
 
 /// Tolerance of the incidence limit for rounding of poses and normals, rad.
@@ -12,7 +14,7 @@ const ANGLE_ROUNDING: f64 = 1e-10;
 
 /// A sensor with one ray that detects an echo only within ranges of distance and incidence, ends included.
 ///
-/// Source: France et al. 1999, section 5, with the paper's values in the three presets.
+/// Source: France et al. 1999, section 5, with the paper's values in the three constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Echo {
     /// Minimum measurable distance, m.
@@ -38,8 +40,8 @@ impl Echo {
         (self.min..=self.max).contains(&distance) && incidence <= self.max_incidence + ANGLE_ROUNDING
     }
 
-    /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's `noise`
-    /// N: d (1 + N) with an echo, otherwise the maximum distance. The signal is 1 with an echo, otherwise 0.
+    /// Reading of a laser or ultrasonic sensor. `hit` is (distance d in m, incidence in rad), `noise` the paper's N.
+    /// With an echo the distance is d (1 + N) and the signal 1; without, they are the maximum distance and 0.
     ///
     /// Source: France et al., section 5. The distance is never below 0: our choice.
     pub fn time_of_flight(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {
@@ -75,18 +77,18 @@ pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
     math::atan2(direction.cross(normal).length(), direction.dot(normal).abs())
 }
 
-/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), at least 0. It is infinite at d = 0.
+/// Signal of a reflectance sensor, 1/m: s = cos^2(alpha) (1 + N) (max - d) / d^2, at least 0. It is infinite at d = 0.
 ///
 /// `distance` d and `max` in m, `incidence` alpha in rad up to pi/2, `noise` N.
 ///
 /// Source: France et al., Eq. 1; the lower bound is from the same section.
 pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> f64 {
-    // Divides twice: the square of a small positive distance may be 0.
     let cos = if incidence >= std::f64::consts::FRAC_PI_2 { 0.0 } else { math::cos(incidence) };
     let strength = cos * cos * (1.0 + noise);
     if strength <= 0.0 || distance >= max {
         return 0.0;
     }
+    // Divides twice by d, since d^2 of a small d may round to 0.
     (max - distance) / distance / distance * strength
 }
 
@@ -144,7 +146,7 @@ mod tests {
         for exponent in 0..150 {
             for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
                 let found = recovered_distance(reflected_signal(d, 0.0, max, 0.0), max);
-                // Near the maximum distance the signal is a small difference of distances, and loses digits.
+                // Near the maximum distance the signal, a small difference of distances, loses digits; d does not.
                 assert!((found - d).abs() <= 4e-16 * d, "{d}: {found}");
             }
         }
@@ -162,7 +164,7 @@ mod tests {
         // Half way: s = 0.5 / 0.25 = 2, and 2 / (1 + 3) gives 0.5 back.
         let half = Echo::REFLECTANCE.reflectance(Some((0.5, 0.0)), 0.0);
         assert_eq!((half.signal, half.distance), (2.0, Some(0.5)));
-        // At 60 degrees the signal is a quarter: 2 / (1 + sqrt(3)).
+        // At 60 degrees the signal is a quarter of 2, and the distance is 2 / (1 + sqrt(3)).
         let oblique = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
         assert!((oblique.signal - 0.5).abs() < 1e-15);
         assert!((distance(oblique) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);

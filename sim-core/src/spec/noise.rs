@@ -34,14 +34,14 @@ impl Preset {
 pub enum NoiseRef {
     /// A preset.
     Preset(Preset),
-    /// A file.
+    /// Name of a file that has not been read.
     File(SpannedText),
-    /// A profile given in the scene, or read from a file.
+    /// A profile: a table of the scene, or the content of a file.
     Profile(Arc<NoiseSpec>),
 }
 
 impl NoiseRef {
-    /// The profile; `None` if it has no errors, or if it is a file that was not read.
+    /// The profile; `None` if it sets no parameter, so that all devices are exact, or if its file has not been read.
     pub fn profile(&self) -> Option<Profile> {
         match self {
             Self::Preset(preset) => (!preset.entries.is_empty()).then(|| preset.profile()),

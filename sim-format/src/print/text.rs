@@ -9,7 +9,8 @@ use super::number::written;
 /// Maximum length of a line that is not broken.
 const WIDTH: usize = 110;
 
-/// Text of a document: a section for each table, also in arrays, with nested tables inline.
+/// Text of a document: a section `[key]` for each table of the root, and `[[key]]` for each item of an array of tables
+/// in the root; deeper tables are inline.
 pub(crate) fn document(root: &Table) -> String {
     let mut out = String::new();
     for (key, value) in root {

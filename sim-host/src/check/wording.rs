@@ -9,7 +9,7 @@ use sim_core::unit;
 
 use super::tally::Count;
 
-/// A name of the report with its words separated by blanks: `no program`.
+/// Turns a name that the report uses into words: `no_program` becomes `no program`.
 pub(super) fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
@@ -19,7 +19,7 @@ fn seconds(seconds: f64) -> String {
     format!("{seconds:.3} s")
 }
 
-/// `230.1 mm`; few digits for whole millimetres.
+/// `230.1 mm`, or `230 mm` without a decimal for whole millimetres.
 fn mm(metres: f64) -> String {
     let rounded = (unit::mm_from_metres(metres) * 10.0).round() / 10.0;
     // No minus sign before a value rounded to zero.

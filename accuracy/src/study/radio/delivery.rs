@@ -50,7 +50,7 @@ pub fn measure(effort: Effort) -> Part {
         });
         (length(bytes), points.collect())
     };
-    let title = "Share of messages that arrive intact, of which 5 % are lost";
+    let title = "Share of sent messages that arrive intact, with a packet loss of 5 %";
     let labels = ["bit error rate P_b (0 at the left edge)", "share of messages"];
     let curves = LENGTHS.map(curve).to_vec();
     let picture = Comparison { name: "radio-delivery", title, labels, x_scale: Scale::Logarithmic, curves, points };

@@ -76,8 +76,8 @@ fn measure(
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
-/// Time from sending a message until its acknowledgement is visible, if neither is lost. Both take their air time and
-/// become visible at the end of a slot at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost. Each is sent at the start of a
+/// slot and becomes available after its air time, but not before the end of that slot.
 fn round_trip(slot: Time) -> Time {
     let one_way = |bytes| air_time(bytes, BAUD).max(slot);
     one_way(BYTES) + one_way(ACK)
@@ -101,8 +101,8 @@ fn expected_throughput(errors: RadioNoise) -> (f64, f64) {
     (throughput, throughput * throughput * SIGMAS * deviation / (COUNT as f64).sqrt())
 }
 
-/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the duration of the transfer, s. Corrupted messages are discarded, as
-/// by a perfect checksum.
+/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the duration of the transfer in seconds. Corrupted
+/// messages are discarded, as by a perfect checksum.
 fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);
@@ -113,7 +113,7 @@ fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     }
     let send = |stations: &mut [Station; 2], robot: usize, at: Time, payload: &[u8]| {
         let to = Address::One(2 - robot as u32);
-        stations[robot].send(at, to, payload, Vec::new()).expect("the last one has long left the buffer");
+        stations[robot].send(at, to, payload, Vec::new()).expect("the previous message has left the transmit buffer");
     };
     let payload = |number: u64| [number as u8; BYTES];
     let (mut number, mut now) = (0, Time::ZERO);

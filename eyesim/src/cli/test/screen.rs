@@ -20,8 +20,8 @@ const MAX_DETAILED: usize = 10;
 const MAX_LISTED: usize = 60;
 /// Maximum number of variants in the table.
 const MAX_VARIANTS: usize = 40;
-/// Maximum number of lines of a compiler's output.
-const MAX_OUTPUT: usize = 30;
+/// Maximum number of lines of an error's details, such as the output of a compiler.
+const MAX_DETAIL_LINES: usize = 30;
 /// Width of lines, in columns.
 const WIDTH: usize = 80;
 /// Minimum time between two updates of the progress line.
@@ -190,9 +190,9 @@ impl Console {
             self.line("    no points, since a program failed");
         }
         let lines: Vec<&str> = row.details.lines().collect();
-        lines.iter().take(MAX_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
-        if lines.len() > MAX_OUTPUT {
-            self.line(&format!("    ... {} more lines", lines.len() - MAX_OUTPUT));
+        lines.iter().take(MAX_DETAIL_LINES).for_each(|line| self.line(&format!("    {line}")));
+        if lines.len() > MAX_DETAIL_LINES {
+            self.line(&format!("    ... {} more lines", lines.len() - MAX_DETAIL_LINES));
         }
         let width = row.checks.iter().map(|check| check.name.chars().count()).max().unwrap_or_default();
         for check in &row.checks {
@@ -287,13 +287,13 @@ impl Console {
         }
     }
 
-    fn variant(&mut self, variant: &Variant, has_checks: bool) {
+    fn variant(&mut self, variant: &Variant, shows_all_checks: bool) {
         let (verdict, style) =
             if variant.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red()) };
         let points = format!("{}/{} points", number(variant.points), number(variant.max_points));
         let name = if variant.name == "run" { "all checks" } else { &variant.name };
         self.styled(&format!("{verdict}  {name}: {}, {points}", rate_text(&variant.rate)), style);
-        let shown = variant.checks.iter().filter(|(_, rate)| has_checks || rate.passed < rate.count);
+        let shown = variant.checks.iter().filter(|(_, rate)| shows_all_checks || rate.passed < rate.count);
         for (name, rate) in shown {
             self.line(&format!("          {name}: {}", rate_text(rate)));
         }
