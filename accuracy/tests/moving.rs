@@ -69,10 +69,10 @@ fn random_bodies_match_brute_force() {
         let mut random = Random::new(seed);
         let arena = Bounds { min: corner, max: corner + DVec2::splat(10.0) };
         // First only bodies with a radius of 0.1 m; then one body in twenty has a radius of 1 m to 10 m.
-        for large in [0.0, 0.05] {
+        for large_fraction in [0.0, 0.05] {
             let list: Vec<_> = (0..200)
                 .map(|index| {
-                    let radius = if random.chance(large) { random.between(1.0, 10.0) } else { 0.1 };
+                    let radius = if random.chance(large_fraction) { random.between(1.0, 10.0) } else { 0.1 };
                     (RobotId::from_index(index), Bounds::of_disc(random.point_in(arena), radius))
                 })
                 .collect();

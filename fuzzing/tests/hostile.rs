@@ -325,7 +325,7 @@ fn a_crowd_of_one_type_reads_its_file_once() {
     }
     let (loaded, calls) = load(&format!("{sim}-- w.wld --\nfloor 64000 64000\n{ROBOT}"));
     assert_eq!((loaded.scene.robots.len(), loaded.diagnostics.len()), (MANY, 0));
-    assert!(calls < 20, "{calls} questions");
+    assert!(calls < 20, "{calls} calls");
     check("load_scene", format!("{sim}-- w.wld --\nfloor 64000 64000\n{ROBOT}").as_bytes());
 }
 
@@ -348,10 +348,10 @@ fn missing_files_cost_a_fixed_number_of_questions_each() {
         load(&format!("{sim}-- w.wld --\nfloor 1000 1000\n"))
     };
     let (few, calls_for_few) = scene(1000);
-    let (_, asked_for_many) = scene(10_000);
+    let (_, calls_for_many) = scene(10_000);
     assert!(few.has_errors());
     assert!(
-        asked_for_many <= 10 * calls_for_few,
-        "{calls_for_few} questions for 1000, {asked_for_many} for 10000 files"
+        calls_for_many <= 10 * calls_for_few,
+        "{calls_for_few} questions for 1000, {calls_for_many} for 10000 files"
     );
 }

@@ -6,9 +6,9 @@
 //! with the corrected pose. The map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected
 //! again.
 //!
-//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (one map, where a
-//! particle filter keeps a map for each particle). That a look is also compared with the earlier looks of its own stop is our choice:
-//! after the robot has turned around at a stop, the readings from before the turn are already in the map.
+//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (one map, where a particle
+//! filter keeps a map for each particle). Our choice: a look is also compared with the earlier looks of its own stop. After
+//! the robot has turned around at a stop, the readings from before the turn are already in the map.
 
 use crate::grid::{Grid, GridGeometry};
 use crate::localise::{Belief, OdometryNoise};
