@@ -339,7 +339,7 @@ fn diagnostics_of_robots_on_one_spot_are_truncated() {
 }
 
 #[test]
-fn missing_files_cost_a_fixed_number_of_questions_each() {
+fn missing_files_cost_a_fixed_number_of_file_calls_each() {
     let scene = |robots: usize| {
         let mut sim = String::from("-- a.sim --\nworld w.wld\n");
         for number in 0..robots {
@@ -352,6 +352,6 @@ fn missing_files_cost_a_fixed_number_of_questions_each() {
     assert!(few.has_errors());
     assert!(
         calls_for_many <= 10 * calls_for_few,
-        "{calls_for_few} questions for 1000, {calls_for_many} for 10000 files"
+        "{calls_for_few} calls for 1000, {calls_for_many} for 10000 files"
     );
 }
