@@ -102,7 +102,7 @@ events! {
     }
     /// A robot touched an obstacle.
     Contact = "contact" {
-        /// The instant, s: the event's time before rounding to microseconds.
+        /// The instant, s: the event's time, rounded up to a microsecond.
         at_s: f64,
         /// The obstacle.
         with: Obstacle,
