@@ -350,8 +350,5 @@ fn missing_files_cost_a_fixed_number_of_file_calls_each() {
     let (few, calls_for_few) = scene(1000);
     let (_, calls_for_many) = scene(10_000);
     assert!(few.has_errors());
-    assert!(
-        calls_for_many <= 10 * calls_for_few,
-        "{calls_for_few} calls for 1000, {calls_for_many} for 10000 files"
-    );
+    assert!(calls_for_many <= 10 * calls_for_few, "{calls_for_few} calls for 1000, {calls_for_many} for 10000 files");
 }
