@@ -68,8 +68,8 @@ impl PythonHome {
     }
 }
 
-/// Prepares `command` to start the [host] again without the user's environment, so that it still finds its modules. Returns the files and
-/// folders that the host reads.
+/// Prepares `command`, which starts the [host] again without the user's environment: sets the variable with which a
+/// Python host finds the user's modules. Returns the files and folders that the host reads.
 ///
 /// # Errors
 /// The host is unknown, or is an interpreter that does not answer.

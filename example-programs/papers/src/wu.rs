@@ -205,8 +205,8 @@ fn against_plain(mirrors: &[Mapped]) -> Claim {
         recall(MapMethod::Wu),
         recall(MapMethod::Plain)
     );
-    let ours = "among mirrors, range over six starts in each of two rooms: more observed cells are right and more walls are found than \
-                with the plain grid, whether a missing echo is ignored or frees cells there";
+    let ours = "among mirrors, ranges over six starts in each of two rooms: more observed cells are right and more walls are \
+                found than with either plain grid, one that ignores a missing echo and one that takes it as free";
     let holds = right == mirrors.len() && found == mirrors.len();
     claim(
         "Features (1)",

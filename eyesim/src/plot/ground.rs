@@ -26,8 +26,8 @@ pub fn draw_world(drawing: &mut Drawing, world: &WorldSpec, texture: Option<Arc<
     if world.floor.cmpgt(DVec2::ZERO).all() {
         let [DVec2 { x: left, y: lower }, DVec2 { x: right, y: upper }] = corners;
         let outline = [(left, lower), (right, lower), (right, upper), (left, upper)].map(|(x, y)| DVec2::new(x, y));
-        // An image is shown in its own colours.
         let terrain = world.terrain.as_ref().and_then(|terrain| terrain.field.as_deref());
+        // An image or a terrain has its own colours, so the floor is transparent.
         let paint =
             if texture.is_some() || terrain.is_some() { Paint::translucent(FLOOR, 0.0) } else { Paint::solid(FLOOR) };
         drawing.push(Shape::filled(Form::Polygon(outline.to_vec()), paint));

@@ -56,8 +56,8 @@ pub enum PictureKind {
 }
 
 impl PictureKind {
-    /// Format selected by the extension of the file name; For a name without an extension in `/dev`, such as
-    /// `/dev/stdout`, it is SVG, which is text.
+    /// Format selected by the extension of the file name. A name without an extension in `/dev`, such as
+    /// `/dev/stdout`, selects SVG, which is text.
     ///
     /// # Errors
     /// [`PlotError::Kind`] for another extension, or none.
