@@ -332,8 +332,8 @@ WALL_FOLLOW = Task(
 )
 """`eyesim/WallFollow-v0`: a robot with eight range sensors follows the wall on its left for 30 s.
 
-Reward of a step: speed over 0.6 m/s times exp(-((d - 0.3 m) / 0.15 m)^2), where d is the smaller of the two readings to the left; -10 for a
-contact, which ends the episode.
+Reward of a step: (v / 0.6) exp(-((d - 0.3) / 0.15)^2), where v is the speed in m/s and d the smaller of the two readings to
+the left in m; minus 10 if a contact begins, which ends the episode.
 """
 
 gymnasium.register("eyesim/WallFollow-v0", entry_point=_wall_follow, vector_entry_point=_wall_follow_vector)

@@ -7,8 +7,8 @@
 //! again.
 //!
 //! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (one map, where a particle
-//! filter keeps a map for each particle). Our choice: a look is also compared with the earlier looks of its own stop. After
-//! the robot has turned around at a stop, the readings from before the turn are already in the map.
+//! filter keeps a map for each particle). Our choice: a look is also compared with the earlier looks of its own stop.
+//! After the robot has turned around at a stop, the readings from before the turn are already in the map.
 
 use crate::grid::{Grid, GridGeometry};
 use crate::localise::{Belief, OdometryNoise};
@@ -139,8 +139,9 @@ mod tests {
         let of_sonar = |index: i32| {
             let heading = robot.heading + f64::from(index) * FAN.sector;
             let position = robot.position + crate::pose::direction(heading) * FAN.radius;
-            let near = room.iter().map(|point| polar(Pose { position, heading }, *point));
-            let distances = near.filter(|(_, off)| off.abs() <= 0.5 * FAN.sector).map(|(distance, _)| distance);
+            let polar_points = room.iter().map(|point| polar(Pose { position, heading }, *point));
+            let in_sector = polar_points.filter(|(_, off)| off.abs() <= 0.5 * FAN.sector);
+            let distances = in_sector.map(|(distance, _)| distance);
             distances.min_by(f64::total_cmp).filter(|distance| *distance <= FAN.farthest)
         };
         (-3..=3).map(of_sonar).collect()

@@ -55,7 +55,9 @@ fn region_text(region: &Region) -> String {
     }
 }
 
-/// Returns true if a body at this distance, as the monitor measures it, is inside the region.
+/// Returns true if the minimum `distance` of a body, m, shows that it was inside the region. The distance is measured
+/// from the centre of a disc or from the border of a polygon. A body that was inside a polygon has crossed the border,
+/// so its minimum distance is 0.
 fn is_inside(region: &Region, distance: f64) -> bool {
     match region {
         Region::Disc { radius, .. } => distance <= *radius,
@@ -87,7 +89,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
                 )
             }
             (Some(found), None) if by.is_some_and(|by| found > by.seconds()) => {
-                format!("{body} was there only at {when}, not{}", deadline_text(*by))
+                format!("{body} met this only at {when}, not{}", deadline_text(*by))
             }
             (Some(_), None) => format!("{body} was there from {when} on, but not for {} s", stay.seconds()),
             (None, _) => format!("{body} was not there"),
@@ -149,7 +151,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             };
             match (is_met, finding.value, finding.at) {
                 (true, ..) => format!("{} at the end", number(value)),
-                (_, None, _) => "it was never defined: no robot, or none that moved".to_owned(),
+                (_, None, _) => "the metric never had a value: there was no robot, or none moved".to_owned(),
                 (_, _, Some(_)) => format!("not {limits} {}; {} at the end", at_text(finding), number(value)),
                 _ => format!("{} at the end, not {limits}", number(value)),
             }
@@ -182,8 +184,8 @@ pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
                 (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), obstacle_text(count.obstacle));
             let when = count.at.map(seconds).unwrap_or_default();
             let touch_position = count.position.map(|position| point(DVec2::from(position))).unwrap_or_default();
-            let first = if *max == 0 { "first" } else { "one too many" };
-            let more = if number > 1 { format!(", {}", times(number)) } else { String::new() };
+            let first = if *max == 0 { "first" } else { "first above the limit" };
+            let more = if number > 1 { format!("; {number} contacts in total") } else { String::new() };
             format!("{robot} touched {obstacle} at {when} at {touch_position} ({first}){more}")
         }
         CheckKind::Prints { robot, .. } => {
@@ -224,6 +226,7 @@ fn number_text(count: &Count, wanted: CountLimits) -> String {
         CountLimits { min: 0, max: Some(max) } => format!("at most {}", times(max)),
         CountLimits { min, max: Some(max) } => format!("{min} to {max} times"),
     };
+    // The number is outside the limits, so a number above the minimum is above the maximum.
     let is_too_often = count.number > wanted.min;
     let (what, since) = if wanted.max == Some(0) {
         ("allowed is none".to_owned(), "first at")

@@ -91,8 +91,8 @@ fn timeout(slot: Time) -> Time {
 /// Expected throughput relative to one message per round trip, and half the width of the 99.9 % interval in which
 /// the measured value should be.
 ///
-/// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
-/// one timeout.
+/// Message and acknowledgement both arrive intact with probability p. The number of failed attempts is geometric, and
+/// each failed attempt costs one timeout.
 fn expected_throughput(errors: RadioNoise) -> (f64, f64) {
     let RadioNoise { bit_error_rate, packet_loss } = errors;
     let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
@@ -111,9 +111,10 @@ fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
         station.switch_on(address, BAUD);
         station.take_change().into_iter().for_each(|change| channel.report_change(change));
     }
-    let send = |stations: &mut [Station; 2], robot: usize, at: Time, payload: &[u8]| {
-        let to = Address::One(2 - robot as u32);
-        stations[robot].send(at, to, payload, Vec::new()).expect("the previous message has left the transmit buffer");
+    // The station with index 0 has the address 1 and sends to 2; the station with index 1 does the reverse.
+    let send = |stations: &mut [Station; 2], index: usize, at: Time, payload: &[u8]| {
+        let to = Address::One(2 - index as u32);
+        stations[index].send(at, to, payload, Vec::new()).expect("the previous message has left the transmit buffer");
     };
     let payload = |number: u64| [number as u8; BYTES];
     let (mut number, mut now) = (0, Time::ZERO);
@@ -127,7 +128,7 @@ fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
             stations[delivery.to.index()].deliver(delivery);
         }
         // The next delivery or timeout wakes a robot.
-        let [first, second] = [0, 1].map(|robot: usize| stations[robot].next_visible());
+        let [first, second] = [0, 1].map(|index: usize| stations[index].next_visible());
         now = first.min(second).min(alarm);
         stations.iter_mut().for_each(|station| drop(station.collect_visible(now)));
         while let Some(message) = stations[1].receive() {

@@ -267,7 +267,7 @@ impl Console {
         let max: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.max_points).sum();
         let points = if max > 0.0 { format!(", {} of {} points", number(points), number(max)) } else { String::new() };
         let is_failed = runs.iter().any(SuiteRun::is_failed);
-        let tolerated = if count > 0 && !is_failed && !is_interrupted { ", enough pass" } else { "" };
+        let tolerated = if count > 0 && !is_failed && !is_interrupted { ", pass rate met" } else { "" };
         let style = if is_failed { Style::new().red().bold() } else { Style::new().green().bold() };
         self.heading(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
     }
@@ -291,6 +291,7 @@ impl Console {
         let (verdict, style) =
             if variant.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red()) };
         let points = format!("{}/{} points", number(variant.points), number(variant.max_points));
+        // `run` is the name of a variant without settings.
         let name = if variant.name == "run" { "all checks" } else { &variant.name };
         self.styled(&format!("{verdict}  {name}: {}, {points}", rate_text(&variant.rate)), style);
         let shown = variant.checks.iter().filter(|(_, rate)| shows_all_checks || rate.passed < rate.count);
@@ -319,7 +320,7 @@ impl Failure<'_> {
     }
 }
 
-/// Message if no case ran: `no cases ran: `a.suite.toml` has 20, from `seed=1` to `seed=20``.
+/// Message if no case ran, for example ``no cases ran: `a.suite.toml` has 20, from `seed=1` to `seed=20` ``.
 fn no_cases_message(runs: &[SuiteRun]) -> String {
     let cases = runs.iter().find_map(|run| Some((run, run.cases.first()?, run.cases.last()?)));
     let range = |(run, first, last): (&SuiteRun, &Case, &Case)| {
