@@ -292,6 +292,41 @@ fn more_rays_reduce_the_error() {
 }
 
 #[test]
+fn a_sonar_measures_low_walls_with_a_body_of_another_shape_near_or_far() {
+    // Walls of the default height, 200 mm, at a slant, and a ball behind the sensor, which returns no echo.
+    let mut random = Random::new(71);
+    let mut slanting = 0;
+    for case in 0..500 {
+        let (ahead, turn) = (random.between(0.3, 4.0), random.between(-1.4, 1.4));
+        let (sin, cos) = math::sin_cos(turn);
+        let (middle, along) = (DVec2::new(ahead, 0.0), DVec2::new(-sin, cos) * 40.0);
+        let read = |ball: Option<DVec2>, pitch: f64| {
+            let walls = Walls::new(vec![Segment::new(middle - along, middle + along)]).with_heights(vec![0.2]);
+            let centre = DVec3::new(0.0, 0.0, 0.04);
+            let ball = ball.map(|position| {
+                let solid = Solid::Capsule { ends: [centre; 2], radius: 0.04 };
+                let figure = Arc::new(Figure { solids: vec![solid], surface: Surface::ROUGH });
+                (Pose { position, ..Pose::default() }, figure)
+            });
+            let space = Space { walls: vec![Surface::ROUGH], fixed: ball.into_iter().collect(), ..Space::default() };
+            let pose = Pose3::from_angles(DVec3::new(0.0, 0.0, 0.1), 0.0, pitch, 0.0);
+            let world = world(walls, space);
+            RangeModel::Sonar(Sonar::srf08()).read(&world, ME, &pose, Time::ZERO, 0.0).distance.unwrap_or(6.0)
+        };
+        let fan = read(None, 0.0);
+        assert_eq!(read(Some(DVec2::new(-70.0, 0.0)), 0.0), fan, "{case}: out of range");
+        // With a body in range, a spiral is searched too. It can only find a nearer echo.
+        let near = read(Some(DVec2::new(-0.2, 0.0)), 0.0);
+        assert!(near <= fan && near > fan - 0.05, "{case}: {near} for {fan}");
+        // A robot that nods by a degree still detects the wall.
+        let pitched = read(None, 1.0 / 180.0 * PI);
+        assert!((pitched - fan).abs() < 0.05, "{case}: {pitched} for {fan}");
+        slanting += usize::from(fan > ahead * cos + 1e-3);
+    }
+    assert!(slanting > 200, "{slanting}");
+}
+
+#[test]
 fn a_sensor_on_a_tilting_link_moves_with_it() {
     // A mast of 0.3 m on a pan joint, with a tilt joint on it, 5 cm ahead; a sensor 2 cm ahead of that.
     let at = |x: f64, z: f64| Pose3 { position: DVec3::new(x, 0.0, z), ..Pose3::IDENTITY };

@@ -1,7 +1,7 @@
 //! `sonar`: error of a sonar's readings as a function of its number of rays.
 //!
 //! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one unknown,
-//! solved by bisection. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point of each
+//! solved by bisection; for low walls, the same at 41 heights. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point of each
 //! wall, by formulas other than the core's. The study also measures a sensor with the same beam that only samples rays and ignores the
 //! nearest points of the walls.
 
@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use sim_core::math;
-use sim_core::pose::Pose3;
+use sim_core::object::{Figure as Body, Solid};
+use sim_core::pose::{Pose, Pose3};
 use sim_core::scene::{Segment, Surface, Walls};
 use sim_core::sensor::{Sonar, incidence};
 use sim_core::time::Time;
@@ -31,18 +32,26 @@ const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
 const REFERENCE_RAYS: u32 = 30_000;
 /// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the threshold.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
-/// Height of the sensor above the floor, m, large enough that the floor returns no echo to a pitched sensor.
+/// Height of the sensor above the floor in front of walls of unlimited height, m.
 const HEIGHT: f64 = 40.0;
+/// Height of the sensor in front of low walls, m.
+const LOW_HEIGHT: f64 = 0.1;
+/// Height of low walls, the default of world files, m.
+const LOW_WALL: f64 = 0.2;
 const ME: RobotId = RobotId(1);
 
 fn run(effort: Effort) -> Outcome {
     let count = effort.of(300);
     let level = slanting_walls(count, 0.0);
     let pitched = slanting_walls(count, 0.5);
+    let level_low = low_walls(count, 0.0);
+    let pitched_low = low_walls(count, 0.5);
     let rooms = rooms(count);
-    let methods: [(&str, &[Case], Method); 4] = [
+    let methods: [(&str, &[Case], Method); 6] = [
         ("level, slanting wall", &level, read_sonar),
         ("pitched, slanting wall", &pitched, read_sonar),
+        ("level, low wall, ball", &level_low, read_sonar),
+        ("pitched, low wall, ball", &pitched_low, read_sonar),
         ("level, room", &rooms, read_sonar),
         ("rays only, room", &rooms, read_rays_only),
     ];
@@ -145,6 +154,72 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
         }
     };
     std::iter::repeat_with(draw).take(count).collect()
+}
+
+/// Cases of a sensor pitched by up to `pitch` rad, a ball behind it, and a low, rough wall 0.3 to 4 m ahead that is turned by up to 80
+/// degrees.
+fn low_walls(count: usize, pitch: f64) -> Vec<Case> {
+    let mut random = Random::new(10);
+    let draw = || {
+        let (ahead, turn) = (random.between(0.3, 4.0), random.between(-1.4, 1.4));
+        let pitch = random.between(-pitch, pitch);
+        let along = DVec2::from_angle(turn).perp();
+        let ends = [-100.0, 100.0].map(|metres| DVec2::new(ahead, 0.0) + along * metres);
+        let walls = Walls::new(vec![Segment::new(ends[0], ends[1])]).with_heights(vec![LOW_WALL]);
+        let centre = DVec3::new(0.0, 0.0, 0.04);
+        let solid = Solid::Capsule { ends: [centre; 2], radius: centre.z };
+        let ball = Arc::new(Body { solids: vec![solid], surface: Surface::ROUGH });
+        let space = Space {
+            floor: None,
+            walls: vec![Surface::ROUGH],
+            fixed: vec![(Pose::new(-0.3, 0.0, 0.0), ball)],
+            ..Space::default()
+        };
+        let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space);
+        Case {
+            world: Arc::new(world),
+            world_from_sensor: Pose3::from_angles(DVec3::new(0.0, 0.0, LOW_HEIGHT), 0.0, pitch, 0.0),
+            truth: nearest_echo_of_low_wall(ahead, turn, pitch),
+        }
+    };
+    std::iter::repeat_with(draw).take(count).collect()
+}
+
+/// Distance of the nearest detectable echo from a low, rough wall that cuts the horizontal line of sight `ahead` m from the sensor.
+///
+/// The reference tests 41 heights, and at each the points of the wall from the nearest one on, 2000 in the quarter turn, in the direction
+/// in which they approach the line of sight. The first detectable point is refined by bisection.
+fn nearest_echo_of_low_wall(ahead: f64, turn: f64, pitch: f64) -> Option<f64> {
+    let sonar = Sonar::srf08();
+    let forward = DVec3::new(math::cos(pitch), 0.0, -math::sin(pitch));
+    let normal = DVec2::from_angle(turn);
+    let nearest = normal * (ahead * normal.x);
+    let at_height = |step: u32| {
+        let z = LOW_WALL * f64::from(step) / 40.0 - LOW_HEIGHT;
+        // Offset from the sensor of the point `azimuth` rad from the nearest one.
+        let point = |azimuth: f64| {
+            let metres = nearest.length() * math::tan(azimuth);
+            (nearest - normal.perp() * metres.copysign(turn)).extend(z)
+        };
+        let is_detected = |azimuth: f64| {
+            let offset = point(azimuth);
+            let distance = offset.length();
+            let angle = math::atan2(forward.cross(offset).length(), forward.dot(offset));
+            energy(angle, distance, nearest.length() / distance) >= sonar.threshold
+        };
+        let azimuths = (0..2_000).map(|step| FRAC_PI_2 * f64::from(step) / 2_000.0);
+        let mut detected = azimuths.into_iter().find(|azimuth| is_detected(*azimuth))?;
+        let mut undetected = (detected - FRAC_PI_2 / 2_000.0).max(0.0);
+        if is_detected(undetected) {
+            return Some(point(undetected).length());
+        }
+        for _ in 0..50 {
+            let middle = 0.5 * (detected + undetected);
+            *(if is_detected(middle) { &mut detected } else { &mut undetected }) = middle;
+        }
+        Some(point(detected).length())
+    };
+    (0..=40).filter_map(at_height).min_by(f64::total_cmp).filter(|distance| *distance <= sonar.max)
 }
 
 /// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m, `off_axis` rad from the line
@@ -281,6 +356,15 @@ mod tests {
                 let row = row("", &cases, rays, read_sonar);
                 assert!(row.error > 0.0 && row.error < limit, "{} m off with {rays} rays, pitched {pitch}", row.error);
             }
+        }
+    }
+
+    #[test]
+    fn both_references_agree_before_the_middle_of_a_level_sensor() {
+        for (ahead, turn) in [(0.5, 0.1), (2.0, 1.3), (3.5, -0.9)] {
+            let low = nearest_echo_of_low_wall(ahead, turn, 0.0).expect("an echo");
+            let infinite = nearest_echo(ahead * math::cos(turn), turn.abs()).expect("an echo");
+            assert!((low - infinite).abs() < 1e-9, "{low} and {infinite} m");
         }
     }
 

@@ -35,7 +35,7 @@ pub struct Sonar {
     pub side_lobes: Option<SideLobes>,
     /// Detection threshold of the energy of an echo.
     pub threshold: f64,
-    /// Number of rays of the fan; at least 1.
+    /// Number of rays of the fan, and of the spiral; at least 1.
     pub rays: u32,
 }
 
@@ -106,14 +106,15 @@ impl Sonar {
     /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
     /// et al. The robot itself returns no echo.
     ///
-    /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, along a fan of
-    /// rays, and towards the nearest point of every body in reach. The search towards the nearest points finds mirrors,
-    /// and is exact for surfaces that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are
-    /// tried too. Second reflections are ignored.
+    /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, towards the
+    /// nearest point of every body in reach, along a horizontal fan of rays and, if this may not suffice, along a
+    /// spiral of rays. The search towards the nearest points finds mirrors, and is exact for surfaces that face the
+    /// sensor. If a ray of the fan or spiral hits a triangle of a mesh, its perpendicular is tried too. Second
+    /// reflections are ignored.
     ///
-    /// The fan is a spiral over the part of the half space from which an echo may be detected. If the sensor is level, all
-    /// bodies are upright and reach up to it, and the floor is a perfect mirror, the fan lies in the sensor's horizontal
-    /// plane and is correspondingly denser.
+    /// The fan covers the azimuths, and the spiral the part of the half space, from which an echo may be detected. The
+    /// fan suffices if the sensor is level, all bodies that are nearer than the nearest echo so far are upright and
+    /// reach up to the sensor, and the floor is a perfect mirror.
     ///
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
@@ -122,7 +123,10 @@ impl Sonar {
             EchoSearch { sonar: self, world, observer, world_from_sensor, at, distance: self.max, energy: 0.0 };
         search.try_direction(world_from_sensor.forward(), 0.0);
         search.try_nearest_points();
-        search.try_fan();
+        search.try_horizontal_fan();
+        if !search.is_horizontal_fan_sufficient() {
+            search.try_spiral();
+        }
         match search.energy > 0.0 {
             true => Reading { distance: Some((search.distance * (1.0 + noise)).max(0.0)), signal: search.energy },
             false => Reading { distance: None, signal: 0.0 },
@@ -194,30 +198,67 @@ impl EchoSearch<'_> {
         }
     }
 
-    fn try_fan(&mut self) {
+    /// Tries rays in the horizontal plane through the sensor, alternately on both sides, from the middle outwards.
+    fn try_horizontal_fan(&mut self) {
         let aperture = self.sonar.aperture();
-        let Pose3 { position, rotation } = *self.world_from_sensor;
-        let forward = rotation.x_axis;
+        let forward = self.world_from_sensor.forward();
+        let is_level = forward.z == 0.0;
+        let (middle, max_azimuth) = if is_level {
+            (forward, aperture)
+        } else {
+            // The cosine of the angle from the line of sight is that of the azimuth times that of the pitch.
+            let cos_pitch = forward.truncate().length();
+            let cos_max_azimuth = math::cos(aperture) / cos_pitch;
+            if cos_pitch == 0.0 || cos_max_azimuth > 1.0 {
+                return;
+            }
+            let sin_max_azimuth = (1.0 - cos_max_azimuth * cos_max_azimuth).sqrt();
+            ((forward.truncate() / cos_pitch).extend(0.0), math::atan2(sin_max_azimuth, cos_max_azimuth))
+        };
+        let left = DVec3::new(-middle.y, middle.x, 0.0);
         let last_ray = f64::from(self.sonar.rays.max(2) - 1);
+        // The line of sight of a level sensor has been tried.
+        for ray in u32::from(is_level)..self.sonar.rays {
+            let ray = f64::from(ray);
+            let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let azimuth = max_azimuth * (ray * 0.5).ceil() / (last_ray * 0.5).ceil();
+            let (sin, cos) = math::sin_cos(azimuth);
+            let direction = middle * cos + left * side * sin;
+            self.try_ray(direction, if is_level { azimuth } else { angle_between(direction, forward) });
+        }
+    }
+
+    /// Returns true if no ray outside the horizontal fan can find a nearer echo: the sensor is level, and on each
+    /// surface that is nearer than the nearest echo the point at the sensor's height is the nearest.
+    fn is_horizontal_fan_sufficient(&self) -> bool {
+        let Pose3 { position, rotation } = *self.world_from_sensor;
         let is_mirror = self.world.floor_surface().is_none_or(|floor| floor.specular == 1.0);
-        let is_planar = forward.z == 0.0 && is_mirror && self.world.is_upright_at(position.z);
+        is_mirror
+            && rotation.x_axis.z == 0.0
+            && self.world.is_upright_near(self.observer, position, self.distance, self.at)
+    }
+
+    /// Tries a spiral of rays from the line of sight outwards.
+    fn try_spiral(&mut self) {
+        let aperture = self.sonar.aperture();
+        let rotation = self.world_from_sensor.rotation;
+        let last_ray = f64::from(self.sonar.rays.max(2) - 1);
         for ray in 1..self.sonar.rays {
             let ray = f64::from(ray);
-            // In the plane the rays alternate between both sides, from the middle outwards.
-            let (angle, offset) = if is_planar {
-                let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
-                (aperture * (ray * 0.5).ceil() / (last_ray * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
-            } else {
-                let (sin, cos) = math::sin_cos(ray * GOLDEN_ANGLE);
-                (aperture * (ray / last_ray).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
-            };
+            let (sin, cos) = math::sin_cos(ray * GOLDEN_ANGLE);
+            let offset = rotation.y_axis * cos + rotation.z_axis * sin;
+            let angle = aperture * (ray / last_ray).sqrt();
             let (sin, cos) = math::sin_cos(angle);
-            let hit = self.try_direction(forward * cos + offset * sin, angle);
-            // Once a ray has hit a mesh's triangle, the plane of the triangle is known, and the perpendicular to this
-            // plane can be tried.
-            if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
-                self.try_direction(-hit.normal, angle_between(-hit.normal, forward));
-            }
+            self.try_ray(rotation.x_axis * cos + offset * sin, angle);
+        }
+    }
+
+    /// Casts a ray along `direction`, `angle` rad from the line of sight. If it hits a triangle of a mesh, tries the
+    /// perpendicular to the triangle too.
+    fn try_ray(&mut self, direction: DVec3, angle: f64) {
+        let hit = self.try_direction(direction, angle);
+        if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
+            self.try_direction(-hit.normal, angle_between(-hit.normal, self.world_from_sensor.forward()));
         }
     }
 }

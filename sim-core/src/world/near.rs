@@ -23,6 +23,15 @@ pub(super) enum Geometry<'a> {
 }
 
 impl Geometry<'_> {
+    /// Height up to which the outline is the same as at the floor, m; 0 if a part is not a prism that stands on the
+    /// floor.
+    fn prism_top(&self) -> f64 {
+        match self {
+            Self::Wall(_, height) => *height,
+            Self::Body(_, figure) => figure.prism_top(),
+        }
+    }
+
     /// Calls `visit` for each convex part of the geometry, in a fixed order, with its nearest point to `point`.
     pub fn for_each_nearest(&self, point: DVec3, mut visit: impl FnMut(DVec3)) {
         match self {
@@ -48,11 +57,21 @@ impl World {
         figure.unwrap_or_else(|| Figure::infinite_prism(self.objects().properties(object), Surface::default()))
     }
 
-    /// Returns true if all walls and bodies are prisms from the floor up to at least the height `z`. Then an obstacle
-    /// has no point above or below `z` that is nearer than its points at `z`. The floor is not included: see
-    /// [`Space::floor`](super::Space).
-    pub(crate) fn is_upright_at(&self, z: f64) -> bool {
-        z >= 0.0 && z <= self.indexed_space.prisms_below
+    /// Returns true if all walls and bodies within `max_distance` metres of `point` in plan view, at the instant `at`,
+    /// are prisms from the floor up to at least the height of `point`. Then such an obstacle has no point above or
+    /// below this height that is nearer than its points at this height. The robot `excluded` and the floor are not
+    /// included: see [`Space::floor`](super::Space).
+    pub(crate) fn is_upright_near(&self, excluded: RobotId, point: DVec3, max_distance: f64, at: Time) -> bool {
+        if point.z < 0.0 || point.z <= self.indexed_space.prisms_below {
+            return point.z >= 0.0;
+        }
+        if !self.indexed_space.mesh_objects.is_empty() {
+            return false;
+        }
+        let mut lowest_top = f64::INFINITY;
+        let bounds = Bounds::of_disc(point.truncate(), max_distance);
+        self.for_each_geometry(excluded, bounds, at, |_, geometry| lowest_top = lowest_top.min(geometry.prism_top()));
+        point.z <= lowest_top
     }
 
     /// Returns true if any body has a mesh.
