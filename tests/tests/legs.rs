@@ -126,6 +126,36 @@ int main(void)
 }
 
 #[test]
+fn the_record_of_a_stop_does_not_depend_on_what_the_program_does_meanwhile() {
+    let scratch = Scratch::new();
+    let walk = |wait: &str| {
+        format!(
+            "#include \"eyebot.h\"\nint main(void)\n{{\n  int i;\n  LEGSetSpeed(400, 0, 0);\n  OSWait(2300);\n  \
+             LEGSetSpeed(0, 0, 0);\n  {wait}\n  return 0;\n}}\n"
+        )
+    };
+    scratch.write("sleep.c", &walk("i = 0; OSWait(8000 + i);"));
+    scratch.write("poll.c", &walk("for (i = 0; i < 160; i++) OSWait(50);"));
+    for kind in ["Biped", "Beetle"] {
+        let [sleeping, polling] = ["sleep.c", "poll.c"].map(|program| {
+            scene(&scratch, &[(kind, program, "api = 7")]);
+            let (report, trace) = run(&scratch, &[]);
+            let records = trace.into_iter().filter(|event| {
+                ["posture", "footfall", "body_height", "joint", "pose"].iter().any(|name| event["event"] == *name)
+            });
+            (report["robots"][0]["footfalls"].clone(), records.collect::<Vec<_>>())
+        });
+        let after_stop = |record: &&Value| number(record, "t_s") > 2.4;
+        assert!(polling.1.iter().filter(after_stop).count() > 5, "{kind} ends its steps after the stop");
+        for (slept, polled) in sleeping.1.iter().zip(&polling.1) {
+            assert_eq!(slept, polled, "{kind} at {} s", polled["t_s"]);
+        }
+        assert_eq!(sleeping.1.len(), polling.1.len(), "{kind}");
+        assert_eq!(sleeping.0, polling.0);
+    }
+}
+
+#[test]
 fn vw_functions_and_odometry_are_those_of_any_robot() {
     let scratch = Scratch::new();
     scratch.write(

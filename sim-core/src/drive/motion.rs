@@ -572,12 +572,14 @@ impl Motion {
     }
 
     /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: the motion has an
-    /// input in the present slot, the robot moves, or the robot is blocked by a robot or an object that may move away.
+    /// input in the present slot, the robot or one of its legs moves, or the robot is blocked by a robot or an object
+    /// that may move away.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);
         let is_blocked = self.last().blocker().is_some() || self.last().is_held(self.committed);
-        !self.journal.is_empty() || !rests || is_blocked || self.has_ticks()
+        let is_walking = self.walk.as_ref().is_some_and(|walk| walk.is_walking());
+        !self.journal.is_empty() || !rests || is_walking || is_blocked || self.has_ticks()
     }
 
     // Functions for [`crate::world`].

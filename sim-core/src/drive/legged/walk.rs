@@ -252,6 +252,11 @@ impl Walk {
         footfalls
     }
 
+    /// Returns true if the body moves or a foot is not yet in its neutral position on the ground.
+    pub fn is_walking(&self) -> bool {
+        self.tentative_steps().is_walking
+    }
+
     /// Makes the decisions before `end`, the end of the present slot, final.
     pub fn commit(&mut self, plan: &mut impl Plan, end: Time) {
         let last = end - Time(1);
