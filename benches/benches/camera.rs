@@ -1,6 +1,7 @@
-//! Pictures of a room: frames per second, compared with MuJoCo and PyBullet if they are installed.
+//! Rendering of a room: frames per second, compared with MuJoCo and PyBullet if they are installed.
 //!
-//! A custom harness: one table contains all values to compare, measured alternately within one run.
+//! This bench has its own harness instead of criterion: the renderers take turns within one run, and one table compares
+//! them.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsStr;
@@ -17,15 +18,17 @@ use sim_core::time::Time;
 
 const VIEWS: usize = 10;
 const SIZES: [[u32; 2]; 3] = [[80, 60], [160, 120], [320, 240]];
-/// Number of rounds of all renderers, and of repetitions of all views in each round; the fastest time counts.
+/// Number of turns of each renderer; its fastest repetition in all turns counts.
 const TURNS: usize = 3;
+/// Number of repetitions of all views in a turn, after a first one.
 const REPEATS: usize = 10;
 
-/// A renderer at one quality, and the seconds that it takes for all views.
+/// A renderer with one kind of shadows, and its results.
 struct Row {
     renderer: &'static str,
-    /// Option for the script of the peers.
+    /// Kind of shadows, an option of the peers' script.
     shadows: &'static str,
+    /// Time for all views.
     seconds: f64,
     /// Mean difference of the renderer's pictures from ours, grey levels.
     difference: f64,
@@ -33,10 +36,10 @@ struct Row {
 
 fn main() {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let still_of = |shadows| room::scenery(Light { shadows, ..room::light() });
-    let sceneries = [still_of(false), still_of(true)];
+    let scenery_with = |shadows| room::scenery(Light { shadows, ..room::light() });
+    let sceneries = [scenery_with(false), scenery_with(true)];
     if arguments.iter().any(|argument| argument == "--test") {
-        sceneries.iter().for_each(assert_right);
+        sceneries.iter().for_each(assert_matches_reference);
         return;
     }
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("camera");
@@ -47,7 +50,7 @@ fn main() {
     }
     println!(
         "{:<10} {:<13} {:<8} {:>9} {:>14} {:>16}",
-        "size", "renderer", "shadows", "frames/s", "eyesim is", "differs by"
+        "size", "renderer", "shadows", "frames/s", "eyesim/peer", "differs by"
     );
     for size in SIZES {
         for scenery in &sceneries {
@@ -59,17 +62,15 @@ fn main() {
     }
 }
 
-/// Prints the row of our renderer first, then each peer with our speed-up over it.
-fn print([width, height]: [u32; 2], (row, ours): &(Row, f64)) {
+/// Prints a row with our speed-up over its renderer; `our_seconds` is our time for all views.
+fn print([width, height]: [u32; 2], (row, our_seconds): &(Row, f64)) {
     let rate = VIEWS as f64 / row.seconds;
-    let (times, levels) = (row.seconds / ours, row.difference);
+    let (speed_up, levels) = (row.seconds / our_seconds, row.difference);
     let size = format!("{width}x{height}");
-    println!(
-        "{size:<10} {:<13} {:<8} {rate:>9.0} {times:>6.2} times as {levels:>9.1} levels",
-        row.renderer, row.shadows
-    );
+    println!("{size:<10} {:<13} {:<8} {rate:>9.0} {speed_up:>14.2} {levels:>9.1} levels", row.renderer, row.shadows);
 }
 
+/// Measures our renderer (first row) and its peers; returns each row with our time for all views.
 fn rows(folder: &Path, python: Option<&OsStr>, posed: &PosedScenery, size: [u32; 2]) -> Vec<(Row, f64)> {
     let peers: &[(&str, &str)] = if posed.scenery().light().shadows {
         &[("mujoco", "1024"), ("mujoco-boxes", "1024"), ("mujoco", "default"), ("pybullet", "default")]
@@ -97,8 +98,8 @@ fn rows(folder: &Path, python: Option<&OsStr>, posed: &PosedScenery, size: [u32;
         }
     }
     fs::write(folder.join("eyesim.rgb"), &ours).expect("the target folder can be written");
-    let fastest = rows[0].seconds;
-    rows.into_iter().filter(|row| row.seconds.is_finite()).map(|row| (row, fastest)).collect()
+    let our_seconds = rows[0].seconds;
+    rows.into_iter().filter(|row| row.seconds.is_finite()).map(|row| (row, our_seconds)).collect()
 }
 
 fn views(size: [u32; 2]) -> Vec<View> {
@@ -106,7 +107,7 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().map(view).collect()
 }
 
-/// Renders all views with the core; returns the seconds and the pixels.
+/// Renders all views with the core; returns the seconds of the fastest repetition, and the pixels.
 fn eyesim(posed: &PosedScenery, size: [u32; 2]) -> (f64, Vec<u8>) {
     let views = views(size);
     let mut camera = Camera::default();
@@ -121,7 +122,7 @@ fn eyesim(posed: &PosedScenery, size: [u32; 2]) -> (f64, Vec<u8>) {
     (seconds, pixels)
 }
 
-/// Renders all views with a peer, by the script in `peers/`.
+/// Renders all views with a peer, by the script in `peers/`; returns the same as [`eyesim`].
 fn peer(python: &OsStr, folder: &Path, row: &Row, [width, height]: [u32; 2]) -> (f64, Vec<u8>) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/camera_peers.py");
     let output = Command::new(python)
@@ -150,7 +151,7 @@ fn write_scene(folder: &Path, mesh: &Mesh) {
     let light = room::light();
     write(folder, "light", light.sun_direction.to_array().into_iter().chain([light.ambient, light.diffuse]));
     for (number, material) in mesh.materials.iter().enumerate() {
-        let texture = material.texture.as_ref().expect("all have one");
+        let texture = material.texture.as_ref().expect("all materials have a texture");
         let (width, height) = texture.size();
         let pixels = (0..width * height).flat_map(|index| texture.pixel(index % width, index / width));
         let file = folder.join(format!("texture{number}.rgba"));
@@ -163,8 +164,8 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Smoke test: renders every picture once and compares it with the reference.
-fn assert_right(scenery: &Scenery) {
+/// Smoke test: renders each view once in the smallest size, and compares every seventh pixel with the reference.
+fn assert_matches_reference(scenery: &Scenery) {
     let posed = scenery.pose_at(&world::empty(), Time::ZERO);
     let reference = Reference::new(&posed, None);
     let mut camera = Camera::default();

@@ -1,7 +1,8 @@
 """Vector environment for stable-baselines3: `VecEnv(task, 64)`, with the simulations, seeds and tasks of `eyesim.gym`.
 
-Unlike in `eyesim.gym.VectorEnv`, and as stable-baselines3 requires, the step that ends an episode also begins the next one. Its
-observation is the first one of the new episode, and `infos[i]["terminal_observation"]` is the last one of the old episode.
+The step that ends an episode also begins the next one, as stable-baselines3 requires; `eyesim.gym.VectorEnv` does not
+do this. The step returns the first observation of the new episode, and `infos[i]["terminal_observation"]` is the last
+observation of the old one.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ from .gym import Rows, Task, _of_one_robot, _task
 
 
 class VecEnv(_VecEnv):  # type: ignore[misc]
-    """Many robots, each in its own scene; one call steps all of them on all cores. The options are the same as for `eyesim.gym.Task`."""
+    """Many robots, each in its own scene; one call steps all of them in parallel.
+
+    The options are the same as for `eyesim.gym.Task`.
+    """
 
     def __init__(
         self, scene: str | os.PathLike[str] | Task, num_envs: int = 1, threads: int | None = None, **options: Any
     ) -> None:
-        """From a scene's path or text, or from a task; by default with a thread for each core."""
+        """From a scene's path or text, or from a task; `threads` is by default the number of cores."""
         self.task = _task(scene, options)
         self._rows = _of_one_robot(Rows(self.task, num_envs, threads))
         self._returns = np.zeros(num_envs)
@@ -32,7 +36,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         super().__init__(num_envs, self._rows.observation_space, self._rows.action_space)
 
     def reset(self) -> npt.NDArray[Any]:
-        """Begins the next episode of each simulation, or the first one of the seed that `seed` has set."""
+        """Begins the next episode of each simulation; after a call of `seed`, the first episodes of these seeds."""
         if self._seeds[0] is not None:
             self._rows.seed(self._seeds)
         self._reset_seeds()
@@ -45,7 +49,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         self._actions = np.asarray(actions)
 
     def step_wait(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float32], npt.NDArray[np.bool_], list[dict[str, Any]]]:
-        """Drives all robots for one period; where an episode has ended the next one begins."""
+        """Drives all robots for one period; where an episode has ended, the next one begins."""
         rows = self._rows
         readings = rows.step(self.task.act(self._actions, rows.limits))
         terminated = self.task.terminated(readings)
@@ -59,7 +63,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
                 infos[index] = {
                     "terminal_observation": observations[index].copy(),
                     "TimeLimit.truncated": not bool(terminated[index]),
-                    # The record that `VecMonitor` would add; the printed mean return is computed from it.
+                    # As `VecMonitor` would add it; stable-baselines3 prints the means of return and length.
                     "episode": {"r": float(self._returns[index]), "l": int(readings.steps[index])},
                 }
             self._returns[done] = 0.0
@@ -69,10 +73,10 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         return observations, rewards.astype(np.float32), done, infos
 
     def close(self) -> None:
-        """Does nothing: memory is freed with the last reference."""
+        """Does nothing: the memory is freed when the last reference to this object is gone."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """The attribute of this environment, once for each simulation."""
+        """The attribute of this object, repeated for each selected simulation."""
         return [getattr(self, attr_name)] * len(self._get_indices(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
@@ -84,7 +88,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         raise AttributeError(f"`{method_name}` cannot be called: simulations of a vector have no methods of their own")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
-        """False for each simulation."""
+        """Returns False for each selected simulation."""
         return [False] * len(self._get_indices(indices))
 
     def _get_indices(self, indices: int | Sequence[int] | None) -> Sequence[int]:

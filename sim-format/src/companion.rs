@@ -32,7 +32,7 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
         }
         companion(keys, robi);
     });
-    reader.settle_devices(robi);
+    reader.check_devices(robi);
     reader.sink.finish()
 }
 

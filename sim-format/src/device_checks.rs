@@ -1,4 +1,4 @@
-//! Checks of links, buses and servos of a robot type, which require that all its devices are known.
+//! Checks of the links, buses and servos of a robot type. They need all devices, so they run after all are read.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use sim_core::build;
 /// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// Checks that run after all devices of a robot type are read.
 impl Reader {
-    /// Reports devices that a program could not distinguish, and references to missing links and servos; moves sensors
-    /// on a missing link to the body.
-    pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
+    /// Reports devices that a program could not distinguish, buses with too many sonars, references to missing links
+    /// and servos, and cycles of links. Moves sensors and links on a missing link to the body, makes links with a
+    /// missing servo rigid, and breaks cycles.
+    pub(super) fn check_devices(&mut self, robi: &mut RobiSpec) {
         self.report_duplicates(robi);
         self.check_buses(robi);
         self.check_servos_of_links(robi);
@@ -45,7 +45,7 @@ impl Reader {
             if *count == MAX_SONARS_ON_BUS + 1 {
                 let message = format!("`{}` is the {count}th sonar on bus {bus}", range.name);
                 let expected = format!("at most {MAX_SONARS_ON_BUS} sonars on a bus");
-                let suggestion = format!("give it and those behind it another one: `bus = {}`", bus + 1);
+                let suggestion = format!("give it and the sonars after it another bus: `bus = {}`", bus + 1);
                 self.sink.error(Code::SonarBus, range.span, message, expected).suggestion = Some(suggestion);
             }
         }
@@ -55,23 +55,23 @@ impl Reader {
     fn check_servos_of_links(&mut self, robi: &mut RobiSpec) {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
-            let Some(turn) = link.joint.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
+            let Some(joint) = link.joint.take_if(|joint| !servos.contains(&joint.servo.text)) else { continue };
             let message = format!(
                 "link `{}` refers to the servo `{}`, which the robot does not have",
-                link.name, turn.servo.text
+                link.name, joint.servo.text
             );
             let names: Vec<&str> = servos.iter().map(String::as_str).take(MAX_LISTED).collect();
             let expected = match names.as_slice() {
                 [] => "a table `[[servo]]` of this name".to_owned(),
                 names => format!("one of {}, or a table `[[servo]]` of this name", names.join(", ")),
             };
-            let nearest = line::nearest(&turn.servo.text, servos.iter().map(String::as_str));
+            let nearest = line::nearest(&joint.servo.text, servos.iter().map(String::as_str));
             let suggestion = nearest.map(|name| format!("write `{name}`"));
-            self.sink.error(Code::LinkServo, turn.servo.span, message, expected).suggestion = suggestion;
+            self.sink.error(Code::LinkServo, joint.servo.span, message, expected).suggestion = suggestion;
         }
     }
 
-    /// Index of each link, `usize::MAX` for the links of legs, by its name; reports duplicate names.
+    /// Maps the name of each link to its index, or to `usize::MAX` for a link of a leg; reports duplicate names.
     fn link_names(&mut self, robi: &RobiSpec) -> BTreeMap<String, usize> {
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
         for (index, link) in robi.links.iter().enumerate() {
@@ -94,7 +94,7 @@ impl Reader {
                 is_duplicate |= names.insert(format!("{}.{part}", spec.name.text), usize::MAX).is_some();
             }
             if is_duplicate {
-                let message = format!("the links of leg `{}` are named as those of another", spec.name.text);
+                let message = format!("leg `{}` has a link with the name of another link", spec.name.text);
                 self.sink.error(Code::LinkTwice, spec.name.span, message, "each name once");
             }
         }

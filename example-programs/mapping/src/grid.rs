@@ -1,8 +1,8 @@
 //! Grid maps with square cells, and pictures of them.
 //!
-//! A [`GridGeometry`] defines position, size and number of the cells in the world; a [`Grid`] stores a value for each cell. The column index
-//! increases with x and the row index with y, both from the frame's origin, its minimum corner. A cell includes its lower and left
-//! edges, not its upper and right ones.
+//! A [`GridGeometry`] defines position, size and number of the cells in the world; a [`Grid`] stores a value for each
+//! cell. The column index increases with x and the row index with y, both from the grid's origin, its minimum corner. A
+//! cell includes its lower and left edges, not its upper and right ones.
 
 use std::io::Cursor;
 use std::ops::{Index, IndexMut};
@@ -47,7 +47,7 @@ impl GridGeometry {
     /// Cells of `cell_size` x `cell_size` metres, the first with its minimum corner at `origin`.
     ///
     /// # Panics
-    /// If `cell_size` is not above 0 and finite, `origin` not finite, or there are no cells.
+    /// If `cell_size` is infinite or not positive, `origin` is not finite, or there are no cells.
     pub fn new(origin: Point, cell_size: f64, columns: usize, rows: usize) -> Self {
         assert!(cell_size > 0.0 && cell_size.is_finite(), "a cell of {cell_size} m");
         assert!(origin.x.is_finite() && origin.y.is_finite(), "an origin at {origin}");
@@ -55,7 +55,8 @@ impl GridGeometry {
         Self { origin, cell_size, columns, rows }
     }
 
-    /// The smallest grid of cells of `cell_size` metres, with its minimum corner at `min`, that covers the rectangle from `min` to `max`.
+    /// The smallest grid that covers the rectangle from `min` to `max`, with cells of `cell_size` metres and its
+    /// minimum corner at `min`.
     ///
     /// # Panics
     /// As [`GridGeometry::new`].
@@ -85,7 +86,7 @@ impl GridGeometry {
         self.rows
     }
 
-    /// Returns true if the frame contains the cell.
+    /// Returns true if the grid contains the cell.
     pub fn has(&self, cell: Cell) -> bool {
         cell.column < self.columns && cell.row < self.rows
     }
@@ -153,12 +154,12 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// A grid with the values that `value` returns for the cells, called row by row.
+    /// A grid of the values that `value` returns for the cells; it is called row by row.
     pub fn from_fn(frame: GridGeometry, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
 
-    /// The frame of the cells.
+    /// The geometry of the grid.
     pub fn frame(&self) -> &GridGeometry {
         &self.frame
     }
@@ -193,16 +194,16 @@ impl<T> Grid<T> {
         &mut self.values
     }
 
-    /// A grid of the same frame whose values are the results of `change`.
+    /// A grid of the same geometry whose values are the results of `change`.
     pub fn map<U>(&self, change: impl FnMut(&T) -> U) -> Grid<U> {
         Grid { frame: self.frame, values: self.values.iter().map(change).collect() }
     }
 
-    /// A picture that shows each cell as a square of `pixels` x `pixels` in its colour (red, green, blue), with x to the right and y
-    /// to the top.
+    /// A picture that shows each cell as a square of `pixels` x `pixels` in its colour (red, green, blue); x points to
+    /// the right, y upwards.
     ///
     /// # Panics
-    /// If `pixels` is 0 or the picture has more than 2^32 pixels a side.
+    /// If `pixels` is 0 or a side of the picture has 2^32 pixels or more.
     pub fn picture(&self, pixels: u32, colour: impl Fn(&T) -> [u8; 3]) -> RgbImage {
         let side = |cells: usize| u32::try_from(cells).ok().and_then(|cells| cells.checked_mul(pixels));
         let (Some(width), Some(height)) = (side(self.frame.columns), side(self.frame.rows)) else {
@@ -281,13 +282,13 @@ mod tests {
     }
 
     #[test]
-    fn covering_gives_the_smallest_frame() {
+    fn covering_gives_the_smallest_grid() {
         let covering = |width, size| GridGeometry::covering(Point::origin(), Point::new(width, 1.0), size).columns();
         assert_eq!((covering(4.0, 0.05), covering(4.01, 0.05), covering(0.3, 0.1), covering(0.0, 0.1)), (80, 81, 3, 1));
     }
 
     #[test]
-    fn disc_contains_the_cells_with_near_middles() {
+    fn disc_contains_the_cells_whose_middles_are_within_the_radius() {
         for (x, y, radius) in [(0.1, 2.9, 0.6), (-1.2, 2.0, 0.8), (5.0, 2.0, 0.5), (0.25, 2.25, 0.0)] {
             let point = Point::new(x, y);
             let expected: Vec<Cell> =

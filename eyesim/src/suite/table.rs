@@ -1,4 +1,4 @@
-//! Rows as tables of typed columns, and as CSV (RFC 4180), for spreadsheets and data analysis tools.
+//! Result rows of a suite as tables of typed columns and as CSV (RFC 4180), for spreadsheets and data analysis tools.
 
 use std::collections::HashMap;
 
@@ -32,7 +32,7 @@ pub enum Cell {
     Flag(bool),
 }
 
-/// Columns that every table of rows has.
+/// The first columns of every table.
 pub const COLUMNS: [(&str, Type); 11] = [
     ("case", Type::Text),
     ("variant", Type::Text),
@@ -47,7 +47,7 @@ pub const COLUMNS: [(&str, Type); 11] = [
     ("key", Type::Text),
 ];
 
-/// The cells of a row in [`COLUMNS`].
+/// The cells of a row for [`COLUMNS`]; `None` for a value that the row does not have.
 pub fn cells(row: &Row) -> Vec<Option<Cell>> {
     let text = |text: &str| Some(Cell::Text(text.to_owned()));
     vec![
@@ -75,9 +75,14 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table of `rows`. After [`COLUMNS`] it has a column for each setting of the matrix, for each check its verdict (`check.NAME`) and
-    /// the quantity that it measured (`value.NAME`), and for each metric that a program printed its last value (`r1.NAME`). A setting whose
-    /// values are all numbers is a column of numbers.
+    /// The table of `rows`. These columns follow [`COLUMNS`]:
+    ///
+    /// - `NAME`, or `setting.NAME` if [`COLUMNS`] contains `NAME`: a setting of the matrix;
+    /// - `check.NAME`: the verdict of a check;
+    /// - `value.NAME`: the quantity that the check measured;
+    /// - `rID.NAME`, such as `r1.laps`: the last value of a metric that the program of robot `ID` printed.
+    ///
+    /// If all values of a setting are numbers, its column has the type [`Type::Number`].
     pub fn of(rows: &[Row]) -> Self {
         let mut columns: Vec<(String, Type)> = COLUMNS.map(|(name, kind)| (name.to_owned(), kind)).to_vec();
         let mut indices: HashMap<String, usize> = HashMap::new();
@@ -101,12 +106,12 @@ impl Table {
             row_cells
         };
         let mut table = Self { rows: rows.iter().map(row_of).collect(), columns };
-        (COLUMNS.len()..table.columns.len()).for_each(|column| table.make_numbers(column));
+        (COLUMNS.len()..table.columns.len()).for_each(|column| table.convert_to_numbers(column));
         table
     }
 
-    /// Makes a column of texts that are all numbers a column of numbers.
-    fn make_numbers(&mut self, column: usize) {
+    /// Converts a column of texts to numbers, if all its texts are numbers.
+    fn convert_to_numbers(&mut self, column: usize) {
         let number = |cell: &Cell| match cell {
             Cell::Text(text) => text.parse::<f64>().ok().filter(|number| number.is_finite()).map(Cell::Number),
             _ => None,
@@ -119,7 +124,7 @@ impl Table {
         }
     }
 
-    /// A line for each row, after a header line with the names of the columns.
+    /// The table as CSV: a header line with the names of the columns, then a line for each row.
     pub fn csv(&self) -> String {
         let mut csv = line(&self.columns.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
         self.rows.iter().for_each(|row| csv.push_str(&line(&texts(row))));
@@ -147,7 +152,7 @@ impl Cell {
     }
 }
 
-/// Fields of a line; a cell without a value has an empty field.
+/// Texts of cells; a cell without a value has an empty text.
 pub fn texts(cells: &[Option<Cell>]) -> Vec<String> {
     cells.iter().map(|cell| cell.as_ref().map(Cell::text).unwrap_or_default()).collect()
 }
@@ -167,14 +172,15 @@ fn additional_cells(row: &Row) -> impl Iterator<Item = (String, Cell)> {
     settings.chain(verdicts).chain(values).chain(metrics)
 }
 
-/// A line of fields.
+/// Fields as a line of CSV, with its line break.
 pub fn line(fields: &[String]) -> String {
     let mut line = fields.iter().map(|text| field(text)).collect::<Vec<_>>().join(",");
     line.push_str("\r\n");
     line
 }
 
-/// Escapes a field, so that a spreadsheet does not read it as a formula; also escapes control characters.
+/// Quotes a field of CSV where necessary, and escapes control characters. Puts an apostrophe before a formula, so that
+/// a spreadsheet does not evaluate it.
 fn field(text: &str) -> String {
     let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
     let mut escaped = String::new();

@@ -11,7 +11,7 @@ use crate::time::Time;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Purpose {
-    /// Random generators for a robot's program (such as `rand` of C).
+    /// Random numbers that a robot's program requests (such as with `rand` of C).
     Program = 1,
     /// Poses of robots, objects and walls in a random layout.
     Layout = 2,
@@ -25,21 +25,21 @@ pub enum Purpose {
     Compass = 6,
     /// Frames of a camera.
     Image = 7,
-    /// Errors of the drive between command and motion.
+    /// Noise of the true motion at a commanded speed, and slip of the wheels.
     Command = 8,
-    /// Errors of odometry.
+    /// Noise of odometry.
     Odometry = 9,
     /// Loss and bit errors of a message to one receiver.
     Radio = 10,
-    /// Losses of a ring's token.
+    /// Losses of the token of a token ring.
     Token = 11,
     /// Shape of a terrain; uses the terrain's own seed.
     Terrain = 12,
     /// Values of a scene that are drawn from the seed.
     Scene = 13,
-    /// Instants of faults.
+    /// Times at which faults occur.
     Fault = 14,
-    /// Errors of the targets of drives.
+    /// Error of the distance and angle of a drive command, such as `VWStraight`.
     Drive = 15,
 }
 
@@ -54,19 +54,18 @@ fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64
     key
 }
 
-/// Random bits that depend only on the key of the stream.
+/// Random bits that depend only on the key of the stream, (seed, robot, purpose, number, sub-number).
 ///
-/// The generator is ChaCha with 8 rounds. The key is (seed, robot, purpose, number, sub-number) in 32 bytes, so
-/// different streams have different keys. The generator is our choice, for its speed and because streams with different
-/// keys are independent.
+/// The generator is ChaCha with 8 rounds: our choice, because it is fast, and streams with different keys are
+/// independent.
 #[derive(Clone, Debug)]
 pub struct Stream {
     generator: ChaCha8Rng,
 }
 
 impl Stream {
-    /// Stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` distinguish several such streams (one may be a seed
-    /// set by a program). Devices use [`EventStreams`] instead.
+    /// Stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` distinguish several such
+    /// streams, for example those of the seeds that a program sets. Devices use [`EventStreams`] instead.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> Self {
         Self { generator: ChaCha8Rng::from_seed(key(seed, robot, purpose, number, sub_number)) }
     }
@@ -83,7 +82,8 @@ impl Stream {
 
     /// The next number with the standard normal distribution, between -8.21 and 8.21.
     pub fn normal(&mut self) -> f64 {
-        // The argument is exactly the middle of one of 2^52 equal intervals of (0, 1): symmetric about 0.5, never 0 or 1.
+        // The argument is exactly the middle of one of 2^52 equal intervals of (0, 1). It is symmetric about 0.5 and
+        // never 0 or 1.
         normal_quantile(((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64)
     }
 }
@@ -98,7 +98,7 @@ pub struct EventStreams {
 }
 
 impl EventStreams {
-    /// Streams of the device called `device` on `robot`. The only drive of a robot is called `""`.
+    /// Streams of the device called `device` on `robot`. The drive of a robot has the name `""`, for its slip `"slip"`.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, device: &str) -> Self {
         Self { key: key(seed, robot, purpose, 0, name_key(device)) }
     }
@@ -111,7 +111,7 @@ impl EventStreams {
     }
 
     /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. It does
-    /// not depend on how often or by which program the device is read. Devices without a period use 1 us.
+    /// not depend on how often or by which program the device is read. Devices without a period use a period of 1 us.
     ///
     /// # Panics
     /// If the period is not positive.
@@ -184,7 +184,7 @@ mod tests {
     const GOLDEN: [u64; 2] = [3_252_954_896_834_025_347, 14_015_292_282_578_683_744];
 
     #[test]
-    fn event_streams_of_each_purpose_match_golden_values() {
+    fn event_streams_match_golden_values() {
         let mut found = [0; 9];
         let purposes = [
             Purpose::Program,
@@ -207,7 +207,7 @@ mod tests {
         assert_eq!(drawn, GOLDEN_DRAWN, "{drawn:?}");
     }
 
-    /// Computed also by an independent implementation of ChaCha, written in another language from its definition.
+    /// An independent implementation of ChaCha, written from its definition in another language, gives the same values.
     const GOLDEN_EVENTS: [u64; 9] = [
         0xa631_bd5f_95b4_d7b2,
         0x551d_90f5_eea6_9fba,
@@ -237,8 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn name_key_matches_published_test_vectors() {
-        // Test vectors of the authors.
+    fn name_key_matches_the_test_vectors_of_its_authors() {
         assert_eq!(
             ["", "a", "foobar"].map(name_key),
             [0xcbf2_9ce4_8422_2325, 0xaf63_dc4c_8601_ec8c, 0x8594_4171_f739_67e8]

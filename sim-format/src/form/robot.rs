@@ -50,7 +50,7 @@ impl Form for RobiSpec {
         keys.key("psd", "PSD distance sensors.").list(TABLES, &mut self.psds);
         device_list_keys(keys, self);
         if let Some((reader, _)) = keys.reading() {
-            reader.settle_devices(self);
+            reader.check_devices(self);
         }
     }
 }

@@ -63,9 +63,9 @@ fn read(robot: &mut Robot) -> Option<i32> {
     robot.read_compass().filter(|_| is_on).map(whole_degrees)
 }
 
-/// Compass reading of an angle: whole degrees, 0 to 359.
-fn whole_degrees(angle: f64) -> i32 {
-    (unit::degrees_from_radians(angle).round() as i32).rem_euclid(360)
+/// An angle in radians as a compass reading in whole degrees, 0 to 359; both are clockwise from north.
+fn whole_degrees(angle_rad: f64) -> i32 {
+    (unit::degrees_from_radians(angle_rad).round() as i32).rem_euclid(360)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
-//! `radio-latency`: delay from a message's arrival at the radio until its receiver can read it, as a function of the slot length.
+//! `radio-latency`: delay from the arrival of a message at the receiver's radio until the program can read it (until it
+//! is *visible*), as a function of the slot length.
 //!
-//! A slot is a slot of the simulator; the ALOHA protocol of this study is unslotted.
+//! "Slot" always means a slot of the simulator. ALOHA is the unslotted protocol here.
 
 use sim_core::radio::{Medium, air_time};
 use sim_core::time::Time;
@@ -15,6 +16,7 @@ pub const STUDY: Study = Study {
 };
 
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
+/// Number of messages.
 const COUNT: usize = 5_000;
 /// Offered load, so low that messages rarely collide.
 const LOAD: f64 = 0.01;
@@ -55,9 +57,10 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![picture.figure()] }
 }
 
-/// Expected delay of a message sent at a random time in a slot. On [`Medium::Free`], which has no collisions, a message is visible at
-/// its arrival, but not before the end of the slot in which it is sent; on other media it is visible at the end of the slot in which it
-/// arrives.
+/// Expected delay of a message that is sent at a random time in a slot, s.
+///
+/// On [`Medium::Free`], which has no collisions, a message is visible at its arrival, but not before the end of the
+/// slot in which it is sent. On other media it is visible at the end of the slot in which it arrives.
 fn expected(medium: Medium, slot: Time) -> f64 {
     let (slot, air) = (slot.seconds(), air_time(BYTES, BAUD).seconds());
     match medium {
@@ -87,8 +90,8 @@ mod tests {
                 assert!(delays.iter().all(|delay| (0.0..=slot.seconds()).contains(delay)));
                 let mean = delays.iter().sum::<f64>() / COUNT as f64;
                 let expected = expected(medium, slot);
-                // The standard deviation of a delay is at most that of a uniform one, 0.29 slots; the bound is four standard
-                // errors of the mean.
+                // The standard deviation of a delay is at most that of a uniform one, 0.29 slots; the bound is four
+                // standard errors of the mean.
                 assert!(
                     (mean - expected).abs() < 1.2 * slot.seconds() / (COUNT as f64).sqrt(),
                     "{medium:?} {slot}: {mean}"

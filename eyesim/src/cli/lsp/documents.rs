@@ -16,7 +16,7 @@ use super::super::check::{is_noise, is_scene, is_suite_file};
 pub enum Encoding {
     /// Bytes.
     Utf8,
-    /// Units of two bytes.
+    /// UTF-16 code units.
     Utf16,
 }
 
@@ -29,11 +29,12 @@ impl Encoding {
     }
 }
 
-/// The open documents, by their paths, over the files of the disk.
+/// The files on the disk, with the open documents in place of their files.
 pub struct Documents {
     disk: DiskFiles,
-    /// Files on the disk, with the open documents in place of their files.
+    /// `disk` with `texts` in place of their files.
     files: DiskFiles,
+    /// Text of each open document, by its absolute path.
     texts: BTreeMap<String, String>,
     encoding: Encoding,
 }
@@ -43,7 +44,7 @@ impl Documents {
         Self { files: disk.clone(), disk, texts: BTreeMap::new(), encoding }
     }
 
-    /// Opens a document or replaces its text; returns false if the address is not a file on the disk.
+    /// Opens a document or replaces its text; returns false if `uri` is not a `file:` URI.
     pub fn open(&mut self, uri: &Uri, text: String) -> bool {
         let Some(name) = name_of(uri) else { return false };
         self.texts.insert(name, text);
@@ -51,7 +52,7 @@ impl Documents {
         true
     }
 
-    /// Closes a document, after which its file is read from the disk.
+    /// Closes a document, so that its file is read from the disk again; returns false if it was not open.
     pub fn close(&mut self, uri: &Uri) -> bool {
         let is_closed = name_of(uri).is_some_and(|name| self.texts.remove(&name).is_some());
         self.update_files();
@@ -68,13 +69,14 @@ impl Documents {
         &self.files
     }
 
-    /// Names of the open documents.
+    /// Paths of the open documents.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.texts.keys().map(String::as_str)
     }
 
-    /// Names of the open documents that `eyesim check` reads. Most TOML files of a computer are not EyeSim's: a
-    /// companion is recognised by the robi beside it.
+    /// Paths of the open documents that `eyesim check` reads. Most TOML files on a computer do not belong to EyeSim: a
+    /// TOML file is included if it is a scene, a suite or a noise profile, or a companion file, that is, if a `.robi`
+    /// file of the same name is beside it.
     pub fn checkable(&self) -> Vec<String> {
         let is_own_format = |name: &&str| {
             let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
@@ -92,20 +94,21 @@ impl Documents {
         self.names().filter(is_own_format).map(str::to_owned).collect()
     }
 
-    /// The open document of an address.
+    /// The open document at a URI.
     pub fn open_document(&self, uri: &Uri) -> Option<Document> {
         let name = name_of(uri)?;
         let text = self.texts.get(&name)?.clone();
         Some(Document { name, text, encoding: self.encoding })
     }
 
-    /// The document or file `name`; `None` if it cannot be read, and an editor cannot show it.
+    /// The document or file at the path `name`, with an empty text if it cannot be read; `None` if the path has no URI,
+    /// so that an editor cannot show it.
     pub fn document(&self, name: &str) -> Option<Document> {
         let text = self.files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
         uri_of(name).map(|_| Document { name: name.to_owned(), text, encoding: self.encoding })
     }
 
-    /// The file that the word at `offset` names.
+    /// Absolute path of the existing file that the word at `offset` names.
     pub fn named_file(&self, document: &Document, offset: usize) -> Option<String> {
         let (word, _) = document.word(offset)?;
         let candidates = path::candidates(word, path::folder_of(&document.name), self.files.home());
@@ -120,7 +123,7 @@ impl Documents {
     }
 }
 
-/// A text and its name.
+/// A text and the path of its file.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// Absolute path.
@@ -135,7 +138,7 @@ impl Document {
         self.name.to_lowercase().ends_with(".toml")
     }
 
-    /// Byte offset of a position; positions beyond a line's end are at its end.
+    /// Byte offset of a position; a position beyond the end of its line or of the text counts as that end.
     pub fn offset(&self, position: Position) -> usize {
         let Some(line) = self.lines().nth(position.line as usize) else { return self.text.len() };
         let mut units = 0;
@@ -163,7 +166,7 @@ impl Document {
         lsp_types::Range { start: self.position(bytes.start), end: self.position(bytes.end) }
     }
 
-    /// The bytes of each line without its end, which is LF, CR LF or CR.
+    /// The bytes of each line without its line break, which is LF, CR LF or CR.
     pub fn lines(&self) -> impl Iterator<Item = Range<usize>> {
         let mut next = Some(0);
         std::iter::from_fn(move || {
@@ -179,7 +182,7 @@ impl Document {
         self.lines().take_while(|line| line.start <= offset).last().unwrap_or_default()
     }
 
-    /// The word at `offset`, between quotation marks or blanks, and its offset.
+    /// The word at `offset` and the offset of its start. A word is the text between two quotation marks or blanks.
     pub fn word(&self, offset: usize) -> Option<(&str, usize)> {
         let line = self.line(offset);
         let text = &self.text[line.clone()];
@@ -198,14 +201,14 @@ impl Document {
     }
 }
 
-/// Path of the file at an address; `None` if the address is not that of a file.
+/// Path of a `file:` URI; `None` for other URIs.
 fn name_of(uri: &Uri) -> Option<String> {
     let is_file = uri.scheme().is_some_and(|scheme| scheme.as_str().eq_ignore_ascii_case("file"));
     let path = uri.path().as_estr().decode().into_string().ok()?;
     (is_file && path.starts_with('/')).then(|| path.into_owned())
 }
 
-/// Address of the file `name`, a path from the root or the working folder.
+/// `file:` URI of the path `name`, which is absolute or relative to the working folder.
 pub fn uri_of(name: &str) -> Option<Uri> {
     let path = std::path::absolute(name).ok()?;
     let mut text = String::from("file://");
@@ -260,11 +263,11 @@ mod tests {
     }
 
     #[test]
-    fn addresses_and_paths_are_inverse() {
+    fn uris_and_paths_are_inverse() {
         for name in ["/a b/ü%/c.sim", "/x/y.scene.toml"] {
-            let uri = uri_of(name).expect("an address");
+            let uri = uri_of(name).expect("a URI");
             assert_eq!(name_of(&uri).as_deref(), Some(name), "{}", uri.as_str());
         }
-        assert_eq!(name_of(&Uri::from_str("untitled:1").expect("an address")), None);
+        assert_eq!(name_of(&Uri::from_str("untitled:1").expect("a URI")), None);
     }
 }

@@ -5,19 +5,19 @@ use sim_host::robios::screen::canvas::{Canvas, Ink, Rgb};
 use sim_host::robios::screen::font::{Family, Font, Size, Variation};
 use sim_host::robios::screen::{menu, page};
 
-/// Picture of the display, enlarged by `scale` (`None`: 4 for a classic display, otherwise 2), in its frame if there is
-/// a caption.
+/// Picture of the display, enlarged by `scale` (`None`: 4 for a classic display, otherwise 2). With a caption, the
+/// display is in a frame with the caption and the keys.
 pub fn picture(panel: &Panel, scale: Option<u8>, caption: Option<&Caption>) -> Canvas {
     let scale = scale.map_or(if matches!(panel, Panel::Classic(_)) { 4 } else { 2 }, usize::from);
     let display = enlarged(&panel.picture(), scale);
     caption.map_or_else(|| display.clone(), |caption| framed(&display, caption))
 }
 
-/// Text on the frame.
+/// Text above the display in the frame.
 pub struct Caption {
     /// Number and name of the robot.
     pub name: String,
-    /// Time of the picture.
+    /// Virtual time at which the picture is taken.
     pub time: String,
 }
 
@@ -62,7 +62,7 @@ fn framed(display: &Canvas, caption: &Caption) -> Canvas {
     let row = i32::from(LABEL.size.cell()[1]);
     let caption_top = (top - row) / 2;
     write(&mut picture, [left, caption_top], &caption.name);
-    write(&mut picture, [right + 1 - length(&caption.time), caption_top], &caption.time);
+    write(&mut picture, [right + 1 - text_width(&caption.time), caption_top], &caption.time);
     for index in 0..menu::KEYS {
         let [start, end] = menu::columns(index, width).map(|column| left + column as i32);
         let (key_left, key_right) = (start + 6, end - 7);
@@ -70,14 +70,15 @@ fn framed(display: &Canvas, caption: &Caption) -> Canvas {
         picture.fill_area([key_left, key_top + 2], [key_right, key_bottom - 2], Ink::Colour(KEY));
         picture.fill_area([key_left + 2, key_top], [key_right - 2, key_bottom], Ink::Colour(KEY));
         let label = format!("KEY{}", index + 1);
-        let middle = [(key_left + key_right + 1 - length(&label)) / 2, (key_top + key_bottom + 1 - row) / 2];
-        write(&mut picture, middle, &label);
+        let label_position =
+            [(key_left + key_right + 1 - text_width(&label)) / 2, (key_top + key_bottom + 1 - row) / 2];
+        write(&mut picture, label_position, &label);
     }
     picture
 }
 
 /// Width of a text on the frame, in pixels.
-fn length(text: &str) -> i32 {
+fn text_width(text: &str) -> i32 {
     text.chars().map(|character| i32::from(LABEL.advance(character))).sum()
 }
 
