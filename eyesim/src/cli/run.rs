@@ -179,7 +179,7 @@ pub struct RunArgs {
     /// True if the scene comes from an archive: the programs of its checks then need `--allow-execute`
     #[arg(skip)]
     pub is_of_archive: bool,
-    /// True if the console output of the programs is not shown
+    /// True if the programs' messages are not shown
     #[arg(skip)]
     pub is_silent: bool,
     /// The robot whose program `eyesim debug` opens in a debugger
@@ -221,7 +221,7 @@ impl RunArgs {
         if self.sandbox.is_some() { Exec::Process } else { self.exec }
     }
 
-    /// Options of the run, without those of the command line only, such as `--quiet`.
+    /// Options of the run for [`sim_host::launch`].
     pub fn options(&self) -> Options {
         Options {
             seed: self.seed,

@@ -14,7 +14,7 @@ pub enum Action {
         /// Key in the notation of `--keys`: `KEY1` to `KEY4`, `TOUCH(120,40)`, `IRTV_OK`.
         key: String,
     },
-    /// Types a line on the standard input of a robot's program.
+    /// Types a line to the standard input of a robot's program.
     Type {
         /// Number of the robot.
         robot: u32,
