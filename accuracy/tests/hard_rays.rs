@@ -106,8 +106,8 @@ fn ray_passes_through_a_slit_of_a_nanometre() {
 
 #[test]
 fn grazing_rays_hit_a_wall_at_the_right_distance() {
-    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -height at x = height / angle. All numbers are
-    // powers of two, so they are exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
+    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -height at x = height / angle. `angle`
+    // and `height` are powers of two, so they are exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
     for exponent in 20..45 {
         let angle = 1.0 / (1_u64 << exponent) as f64;
         for metres in [1.0, 4.0, 16.0] {
