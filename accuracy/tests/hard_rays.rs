@@ -106,16 +106,17 @@ fn ray_passes_through_a_slit_of_a_nanometre() {
 
 #[test]
 fn grazing_rays_hit_a_wall_at_the_right_distance() {
-    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -height at x = height / angle. `angle`
-    // and `height` are powers of two, so they are exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
+    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -height at x = height / angle.
+    // `angle` and `height` are powers of two, so they are exact. The direction's length differs from 1 by less
+    // than 2^-41.
     for exponent in 20..45 {
         let angle = 1.0 / (1_u64 << exponent) as f64;
         for metres in [1.0, 4.0, 16.0] {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding displaces the wall sideways by a multiple of 2^-52 m, and so the hit along the ray by this distance
-            // divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on it.
+            // Rounding displaces the wall sideways by a multiple of 2^-52 m, and so the hit along the ray by this
+            // distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on it.
             let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
             assert!((hit.distance - metres).abs() <= tolerance || starts_on, "angle {angle}: {hit:?} for {metres}");

@@ -305,8 +305,8 @@ fn tasks_may_switch_the_radio_on_simultaneously() {
         }
         tasks.permit()
     }
-    // For one of these durations, the time slice ends with the call that switches the radio on, and the other task requests
-    // the radio before this call returns.
+    // For one of these durations, the time slice ends with the call that switches the radio on, and the other task
+    // requests the radio before this call returns.
     for before_us in (0..10_000).step_by(50) {
         let run = Fake::new().run(move |robot: &Robot| program(robot, before_us)).expect_finished();
         assert_eq!(lines(&run).len(), 2, "{before_us} us: {:?}", lines(&run));

@@ -3,8 +3,8 @@
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// Writes `source` as `prog.c`, runs it on `robots` robots, expects the exit code `code`, and returns the report and what
-/// was printed.
+/// Writes `source` as `prog.c`, runs it on `robots` robots, expects the exit code `code`, and returns the report and
+/// what was printed.
 fn run(source: &str, robots: usize, args: &[&str], code: i32) -> (Value, Ran) {
     let scratch = Scratch::new();
     scratch.write("prog.c", source);

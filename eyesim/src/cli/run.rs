@@ -87,8 +87,9 @@ pub struct RunArgs {
     /// Where programs run: on threads of this process, or each in its own process, where a fault ends only its robot
     #[arg(long, value_name = "WHERE", value_parser = exec_parser(), default_value = "auto")]
     pub exec: Exec,
-    /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other processes,
-    /// and limits resources; `calls`: all of these except files, `limits`: only resources. Implies --exec=process
+    /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other
+    /// processes, and limits resources; `calls`: all of these except files, `limits`: only resources. Implies
+    /// --exec=process
     #[arg(
         long,
         value_name = "LEVEL",
@@ -115,12 +116,12 @@ pub struct RunArgs {
     /// `search.x=maze.c`
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
-    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that they
-    /// call]
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that
+    /// they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
-    /// Version of EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: from the scene, or
-    /// vr2023]
+    /// Version of EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: from the
+    /// scene, or vr2023]
     #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
     pub dialect: Option<Dialect>,
     /// Cell size of the scene's maze file in millimetres; overrides the file
@@ -132,8 +133,8 @@ pub struct RunArgs {
     /// Keys to press: `2.5:KEY1, 4:KEY4`, for robot 2 `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
-    /// Standard input of the programs: a file; `-`: the text of eyesim's own standard input, which each robot reads from its
-    /// beginning; `typed`: the lines that the user types in the window, or that --repeat repeats
+    /// Standard input of the programs: a file; `-`: the text of eyesim's own standard input, which each robot reads
+    /// from its beginning; `typed`: the lines that the user types in the window, or that --repeat repeats
     #[arg(long, value_name = "FILE")]
     pub stdin: Option<PathBuf>,
     /// Program arguments of a robot: `1:"--kp 0.5"`, without a number for all robots; overrides the sim file
@@ -154,8 +155,8 @@ pub struct RunArgs {
     /// Motion of a robot that is pushed against a wall: slide, or stall [default: from the scene, or slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
-    /// Allow programs to run commands on this machine with `OSExecute`, and the check programs of an archive to run; their
-    /// effects are outside of the simulation
+    /// Allow programs to run commands on this machine with `OSExecute`, and the check programs of an archive to run;
+    /// their effects are outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
     /// Megabytes that each program may print; further output is discarded
@@ -357,7 +358,8 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons why robots failed.
+/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons why robots
+/// failed.
 pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, remarks, .. } = finished;
     remarks.iter().for_each(say);

@@ -409,8 +409,8 @@ const NETWORK: &str = "data from a network differ between runs";
 const REAL_TIME: &str = "waits for or returns real time";
 const STREAMS: &str = "streams of C++ print to the host's standard output";
 
-/// Reason why calls of `symbol` by a library built without the shim may act outside of the robot or of virtual time; `None`
-/// if they do not.
+/// Reason why calls of `symbol` by a library built without the shim may act outside of the robot or of virtual time;
+/// `None` if they do not.
 ///
 /// In such a library this holds for most [interposed](INTERPOSED) symbols too, except those that almost every library
 /// imports and those that have an effect only if the program has an error.
@@ -428,8 +428,8 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns the reason why a program that imports `symbol` could end the host, or disturb all robots, if it ran on a thread
-/// of the host; `None` for other symbols.
+/// Returns the reason why a program that imports `symbol` could end the host, or disturb all robots, if it ran on a
+/// thread of the host; `None` for other symbols.
 ///
 /// A library without the shim that imports `exit` or a function of the same kind ends the process itself.
 pub fn endangers_host(symbol: &str) -> Option<&'static str> {

@@ -289,8 +289,8 @@ fn collision(name: &'static str, impact: Impact, delay: f64, error: CollisionErr
     Case { trial, error_of_end: Box::new(move |(bodies, _)| error(&impact, initial_distance, seconds, bodies)) }
 }
 
-/// Maximum relative error of the velocities and positions of both bodies. The scale of a body is the initial speed, or its
-/// own speed after the impact if that is higher; positions are relative to the path at this speed.
+/// Maximum relative error of the velocities and positions of both bodies. The scale of a body is the initial speed, or
+/// its own speed after the impact if that is higher; positions are relative to the path at this speed.
 fn motion_error(impact: &Impact, initial_distance: f64, seconds: f64, bodies: &Bodies) -> f64 {
     let (velocities, positions) = (impact.velocities(), impact.positions(initial_distance, seconds));
     let body_error = |index: usize| {
@@ -370,8 +370,8 @@ pub fn struck_crate() -> Trial {
 /// Duration of [`robot_and_heavy_crate`], s.
 pub const PUSH_SECONDS: f64 = 2.0;
 
-/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at 0.2 m/s
-/// against the crate (3 kg, friction 0.5), whose friction stops both. The trial runs in a world with slots of 50 ms.
+/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at
+/// 0.2 m/s against the crate (3 kg, friction 0.5), whose friction stops both. The slots are 50 ms long.
 pub fn robot_and_heavy_crate() -> f64 {
     let (mass, crate_mass, speed, coefficient) = (2.0, 3.0, 0.2, 0.5);
     let common_speed = mass * speed / (mass + crate_mass);

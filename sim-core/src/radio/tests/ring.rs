@@ -29,8 +29,8 @@ fn message_for_token(from: u32, sequence: u64, to: Address, bytes: usize, queued
     OutgoingMessage { begins: None, ..message_from(from, sequence, to, vec![0; bytes], queued_at) }
 }
 
-/// Saturated ring: each of `count` robots has queued `messages_each` messages, of a length that depends on the robot, when
-/// the ring is formed. Returns (sender, begin, end) of the transmissions in the order of time.
+/// Saturated ring: each of `count` robots has queued `messages_each` messages, of a length that depends on the robot,
+/// when the ring is formed. Returns (sender, begin, end) of the transmissions in the order of time.
 fn saturated(errors: RadioNoise, count: u32, messages_each: u64) -> Vec<(u32, Time, Time)> {
     let mut channel = ring(vec![errors; count as usize], count);
     let messages = (1..=count).flat_map(|from| (1..=messages_each).map(move |sequence| (from, sequence)));
@@ -123,8 +123,8 @@ fn token_losses_in_an_idle_ring_are_independent_of_the_query_times() {
 
 #[test]
 fn token_is_replaced_if_its_holder_leaves() {
-    // In the six cases, the next holder of the token after the slot boundary is each of the three robots twice. Robot 2 leaves
-    // at the boundary.
+    // In the six cases, the next holder of the token after the slot boundary is each of the three robots twice. Robot 2
+    // leaves at the boundary.
     let mut cases_with_leaving_holder = 0;
     for passes in 0..6 {
         let mut channel = ring(Vec::new(), 3);

@@ -12,8 +12,8 @@ pub(super) struct Ray {
     pub direction: DVec2,
     /// Maximum distance between the ray and a point that it touches.
     pub rounding_error: f64,
-    /// Upper bound of `length * distance` for a wall on which the origin lies: the wall's length, and the origin's distance
-    /// from the wall, which rounding makes positive.
+    /// Upper bound of `length * distance` for a wall on which the origin lies: the wall's length, and the origin's
+    /// distance from the wall, which rounding makes positive.
     pub area_rounding_error: f64,
 }
 
@@ -98,8 +98,8 @@ impl Nearest {
         Self { distance: range, wall: NO_WALL }
     }
 
-    /// Records a hit at `distance` if it is the nearest, and at equal distances has the lowest number, and `accepts` it. A
-    /// negative distance means no hit.
+    /// Records a hit at `distance` if it is the nearest, and at equal distances has the lowest number, and `accepts`
+    /// it. A negative distance means no hit.
     #[inline(always)]
     pub fn offer(&mut self, wall: WallId, distance: f64, accepts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)
