@@ -65,7 +65,7 @@ fn no_ray_leaves_a_closed_polygon() {
                     panic!("{count} corners: from {origin} along {direction} at {kind}, the robot sees outside")
                 });
                 assert!(hit.distance <= 2.1, "{count} corners, at {kind}: {hit:?}");
-                // Hit to within 8 units in the last place of 10^6 m.
+                // Tolerance of a touch (see `Walls`): 8 * 2^-52 times the sum of the origin's coordinates, 2 * 10^6 m.
                 let error = walls.segment(hit.wall).distance(origin + direction * hit.distance);
                 assert!(error < 4e-9, "{count} corners, at {kind}: {error} m beside the wall");
                 rays += 1;
@@ -106,15 +106,17 @@ fn ray_passes_through_a_slit_of_a_nanometre() {
 
 #[test]
 fn grazing_rays_hit_a_wall_at_the_right_distance() {
-    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -h at h / angle. All numbers are
-    // powers of two, so they are exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
+    // The ray starts at y = 0, falls by `angle` per metre and hits the wall along y = -height at x = height / angle.
+    // `angle` and `height` are powers of two, so they are exact. The direction's length differs from 1 by less
+    // than 2^-41.
     for exponent in 20..45 {
         let angle = 1.0 / (1_u64 << exponent) as f64;
         for metres in [1.0, 4.0, 16.0] {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding by 2^-53 of the wall's length moves the hit by this distance over the angle, or the ray starts on the wall.
+            // Rounding displaces the wall sideways by a multiple of 2^-52 m, and so the hit along the ray by this
+            // distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on it.
             let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
             assert!((hit.distance - metres).abs() <= tolerance || starts_on, "angle {angle}: {hit:?} for {metres}");
@@ -147,7 +149,8 @@ fn first_of_coincident_walls_is_hit_and_points_are_ignored() {
 
 #[test]
 fn readings_do_not_depend_on_the_origin() {
-    // Coordinates are multiples of 2^-20 m, so that the world can be moved by about 10 km, 1,000 km and 10^6 km without rounding.
+    // Coordinates are multiples of 2^-20 m, so that the world can be moved by about 10 km, 1,000 km and 10^6 km without
+    // rounding.
     let resolution = (1 << 20) as f64;
     let rounded = |point: DVec2| (point * resolution).round() / resolution;
     let scene: Vec<Segment> = world::room_with_boxes(5, DVec2::ZERO, 20.0, 74)
@@ -155,7 +158,7 @@ fn readings_do_not_depend_on_the_origin() {
         .map(|wall| Segment::new(rounded(wall.a), rounded(wall.b)))
         .collect();
     let near = Walls::new(scene.clone());
-    // A ray that passes a corner within a few units in the last place of the offset may hit it.
+    // A ray that misses a corner by a few units in the last place of the offset may hit it in the moved world.
     for (offset, ulp) in [(8192.0, 1e-12), (1_048_576.0, 2.4e-10), (1_073_741_824.0, 2.4e-7)] {
         let offset = DVec2::new(offset, -offset);
         let far = Walls::new(scene.iter().map(|wall| Segment::new(wall.a + offset, wall.b + offset)).collect());
@@ -200,7 +203,7 @@ fn range_limit_is_exact() {
 }
 
 /// Extreme and unusual numbers, such as faulty programs and files contain.
-const ODD_NUMBERS: [f64; 14] = [
+const EXTREME_NUMBERS: [f64; 14] = [
     f64::NAN,
     f64::INFINITY,
     f64::NEG_INFINITY,
@@ -218,14 +221,14 @@ const ODD_NUMBERS: [f64; 14] = [
 ];
 
 #[test]
-fn odd_numbers_give_no_false_hits() {
+fn extreme_numbers_give_no_false_hits() {
     let walls = Walls::new(world::room_with_boxes(2, DVec2::splat(-1.0), 2.0, 20));
     let mut hit_count = 0;
-    for x in ODD_NUMBERS {
-        for y in ODD_NUMBERS {
-            for dx in ODD_NUMBERS {
-                for dy in ODD_NUMBERS {
-                    for range in ODD_NUMBERS {
+    for x in EXTREME_NUMBERS {
+        for y in EXTREME_NUMBERS {
+            for dx in EXTREME_NUMBERS {
+                for dy in EXTREME_NUMBERS {
+                    for range in EXTREME_NUMBERS {
                         let found = walls.cast(DVec2::new(x, y), DVec2::new(dx, dy), range);
                         let is_unit_vector = (math::hypot(dx, dy) - 1.0).abs() < 1e-5;
                         let is_ray = x.is_finite() && y.is_finite() && is_unit_vector && range >= 0.0;
@@ -239,28 +242,28 @@ fn odd_numbers_give_no_false_hits() {
             }
         }
     }
-    assert!(hit_count > 100, "{hit_count} of the odd rays meet a wall");
+    assert!(hit_count > 100, "{hit_count} of the rays hit a wall");
 }
 
 #[test]
-fn odd_walls_do_not_hide_other_walls() {
+fn extreme_walls_do_not_hide_other_walls() {
     let good = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
-    for a in ODD_NUMBERS {
-        for b in ODD_NUMBERS {
-            let odd = [
+    for a in EXTREME_NUMBERS {
+        for b in EXTREME_NUMBERS {
+            let extreme_walls = [
                 Segment::new(DVec2::new(a, 3.0), DVec2::new(b, 3.0)),
                 Segment::new(DVec2::new(-5.0, a), DVec2::new(-5.0, b)),
                 Segment::new(DVec2::new(a, 7.0), DVec2::new(7.0, b)),
             ];
-            for (index, odd) in odd.into_iter().enumerate() {
-                let walls = Walls::new(vec![odd, good]);
+            for (index, extreme) in extreme_walls.into_iter().enumerate() {
+                let walls = Walls::new(vec![extreme, good]);
                 let hit = walls.cast(DVec2::new(0.0, 0.5), DVec2::X, 2.0);
-                // The odd wall itself may cross the ray before the good one; for a wall 10^15 m long, 2 m are
-                // below rounding.
-                let may_block = index == 2 || odd.length() > 1e15;
-                let is_odd_wall = may_block && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
+                // The extreme wall itself may cross the ray before the good one; for a wall 10^15 m long, 2 m are below
+                // rounding.
+                let may_block = index == 2 || extreme.length() > 1e15;
+                let is_extreme_wall = may_block && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
                 let is_good_wall = hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);
-                assert!(is_good_wall || is_odd_wall, "{odd:?}: {hit:?}");
+                assert!(is_good_wall || is_extreme_wall, "{extreme:?}: {hit:?}");
             }
         }
     }

@@ -8,7 +8,7 @@ use robios_api::fake::{End, Fake, Run};
 use robios_api::prelude::*;
 use robios_api::{Priority, TaskMode};
 
-/// Computes for a time without leaving the processor.
+/// Computes for `span` of virtual time; the task never waits.
 fn work(robot: &Robot, span: Duration) {
     let end = robot.now() + span;
     while robot.now() < end {}
@@ -177,32 +177,32 @@ fn killed_task_releases_its_resources() {
     }
     let dropped = Arc::new(AtomicU32::new(0));
     let counter = || DropCounter(Arc::clone(&dropped));
-    let (begun, never, left) = (counter(), counter(), counter());
+    let (in_holder, in_unready, in_waiting) = (counter(), counter(), counter());
     let run = Fake::new().run(move |robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         let value = tasks.shared(0)?;
         let shared_value = value.clone();
         let holder = tasks.spawn("holder", Priority::P4, move |robot| -> Result {
-            let _counter = begun;
+            let _counter = in_holder;
             let mut value = shared_value.lock(robot);
             *value = 7;
             robot.tasks().suspend_self()
         })?;
         holder.ready(robot)?;
-        let unready = tasks.spawn("never", Priority::P4, move |_: &Robot| drop(never))?;
+        let unready = tasks.spawn("never", Priority::P4, move |_: &Robot| drop(in_unready))?;
         let waits = tasks.spawn("waits", Priority::P4, move |robot| -> Result {
-            let _counter = left;
+            let _counter = in_waiting;
             robot.tasks().suspend_self()
         })?;
         waits.ready(robot)?;
         tasks.permit()?;
         holder.kill(robot)?;
-        assert_eq!(*value.lock(robot), 7, "its lock is let go");
+        assert_eq!(*value.lock(robot), 7, "the killed task has released its lock");
         assert!(holder.ready(robot).is_err(), "it has ended");
         unready.kill(robot)
     });
     run.expect_finished();
-    assert_eq!(dropped.load(Ordering::Relaxed), 3, "also of the task that `main` has left behind");
+    assert_eq!(dropped.load(Ordering::Relaxed), 3, "including that of the task that still waits when `main` ends");
 }
 
 #[test]
@@ -210,7 +210,10 @@ fn task_timers_wake_tasks() {
     let run = Fake::new().run(|robot| -> Result {
         let timer = robot.every(100.millis(), |_| {})?;
         let refused = robot.multi_tasking(TaskMode::Cooperative).map(drop);
-        assert!(matches!(refused, Err(Error::Unsuitable { .. })), "its function may belong to this thread");
+        assert!(
+            matches!(refused, Err(Error::Unsuitable { .. })),
+            "the function of such a timer may belong to this thread"
+        );
         drop(timer);
         let tasks = robot.multi_tasking(TaskMode::Cooperative)?;
         assert!(matches!(robot.every(100.millis(), |_| {}), Err(Error::Unsuitable { .. })));
@@ -280,7 +283,7 @@ fn without_multi_tasking_there_are_no_tasks() {
         assert!(robot.tasks().spawn("early", Priority::P1, |_: &Robot| ()).is_err());
         assert!(robot.tasks().reschedule().is_err());
         robot.multi_tasking(TaskMode::Preemptive)?;
-        assert!(robot.multi_tasking(TaskMode::Preemptive).is_err(), "once");
+        assert!(robot.multi_tasking(TaskMode::Preemptive).is_err(), "only once");
         Ok(())
     });
     run.expect_finished();
@@ -302,8 +305,8 @@ fn tasks_may_switch_the_radio_on_simultaneously() {
         }
         tasks.permit()
     }
-    // For one of these durations, the slice ends with the call that switches the radio on, and the other task runs before the radio is
-    // counted.
+    // For one of these durations, the time slice ends with the call that switches the radio on, and the other task
+    // requests the radio before this call returns.
     for before_us in (0..10_000).step_by(50) {
         let run = Fake::new().run(move |robot: &Robot| program(robot, before_us)).expect_finished();
         assert_eq!(lines(&run).len(), 2, "{before_us} us: {:?}", lines(&run));

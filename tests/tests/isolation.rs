@@ -3,7 +3,8 @@
 use serde_json::Value;
 use tests::{Ran, Scratch, write_scene};
 
-/// Writes `source` as `prog.c`, runs it on `robots` robots and returns the report and what was printed.
+/// Writes `source` as `prog.c`, runs it on `robots` robots, expects the exit code `code`, and returns the report and
+/// what was printed.
 fn run(source: &str, robots: usize, args: &[&str], code: i32) -> (Value, Ran) {
     let scratch = Scratch::new();
     scratch.write("prog.c", source);
@@ -83,7 +84,7 @@ fn exit_ends_the_robot_alone() {
 }
 
 #[test]
-fn exit_codes_and_abort_fail_the_robot_and_not_the_other() {
+fn exit_codes_and_abort_fail_only_their_robot() {
     let source = r#"
         #include <assert.h>
         #include <stdlib.h>
@@ -105,7 +106,7 @@ fn exit_codes_and_abort_fail_the_robot_and_not_the_other() {
 }
 
 #[test]
-fn a_function_called_like_one_of_the_c_library_is_the_programs_own() {
+fn a_function_named_like_one_of_the_c_library_is_the_programs_own() {
     let scratch = Scratch::new();
     scratch.write("own.c", "int time(int x) { return x + 40; }\ndouble y1(double x) { return x + 0.5; }\n");
     scratch.write("own.h", "int time(int x); double y1(double x);\n");

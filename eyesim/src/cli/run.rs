@@ -62,7 +62,8 @@ pub struct RunArgs {
     /// Write every event as a line of JSON during the run, compressed if the name ends with `.zst`
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// With --trace, write only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as `contact,stdout`
+    /// With --trace, write only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as
+    /// `contact,stdout`
     #[arg(long, value_name = "KINDS", value_parser = TraceFilter::parse, requires = "trace")]
     pub trace_only: Option<TraceFilter>,
     /// Write the run as MCAP, for Foxglove and rerun, during the run
@@ -86,8 +87,9 @@ pub struct RunArgs {
     /// Where programs run: on threads of this process, or each in its own process, where a fault ends only its robot
     #[arg(long, value_name = "WHERE", value_parser = exec_parser(), default_value = "auto")]
     pub exec: Exec,
-    /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other processes, and limits
-    /// resources; `calls`: all of these except files, `limits`: only resources. Implies --exec=process
+    /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other
+    /// processes, and limits resources; `calls`: all of these except files, `limits`: only resources. Implies
+    /// --exec=process
     #[arg(
         long,
         value_name = "LEVEL",
@@ -110,13 +112,16 @@ pub struct RunArgs {
     /// Processor time in seconds that a program may compute within one slot before it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
-    /// Program for the robots without one: `maze.c`; for robot 2: `2=maze.c`; for the robots with this program or type: `search.x=maze.c`
+    /// Program for the robots without one: `maze.c`; for robot 2: `2=maze.c`; for the robots with this program or type:
+    /// `search.x=maze.c`
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
-    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that they call]
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that
+    /// they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
-    /// Version of EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: from the scene, or vr2023]
+    /// Version of EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: from the
+    /// scene, or vr2023]
     #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
     pub dialect: Option<Dialect>,
     /// Cell size of the scene's maze file in millimetres; overrides the file
@@ -128,8 +133,8 @@ pub struct RunArgs {
     /// Keys to press: `2.5:KEY1, 4:KEY4`, for robot 2 `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
-    /// Standard input of the programs: a file, or `-` for that of eyesim, of which each robot reads the whole text; `typed`: lines typed
-    /// in the window, or repeated
+    /// Standard input of the programs: a file; `-`: the text of eyesim's own standard input, which each robot reads
+    /// from its beginning; `typed`: the lines that the user types in the window, or that --repeat repeats
     #[arg(long, value_name = "FILE")]
     pub stdin: Option<PathBuf>,
     /// Program arguments of a robot: `1:"--kp 0.5"`, without a number for all robots; overrides the sim file
@@ -150,8 +155,8 @@ pub struct RunArgs {
     /// Motion of a robot that is pushed against a wall: slide, or stall [default: from the scene, or slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
-    /// Allow programs to run commands on this machine with `OSExecute`, and the check programs of an archive to run; their
-    /// effects are outside of the simulation
+    /// Allow programs to run commands on this machine with `OSExecute`, and the check programs of an archive to run;
+    /// their effects are outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
     /// Megabytes that each program may print; further output is discarded
@@ -175,7 +180,7 @@ pub struct RunArgs {
     /// True if the scene comes from an archive: the programs of its checks then need `--allow-execute`
     #[arg(skip)]
     pub is_of_archive: bool,
-    /// True if messages of the programs are not shown
+    /// True if the programs' messages are not shown
     #[arg(skip)]
     pub is_silent: bool,
     /// The robot whose program `eyesim debug` opens in a debugger
@@ -212,12 +217,12 @@ impl RunArgs {
         self.report.clone().filter(|_| !self.prints_report())
     }
 
-    /// Whether programs run on threads or in processes.
+    /// Where programs run: the value of `--exec`, but a sandbox always needs processes.
     pub fn exec(&self) -> Exec {
         if self.sandbox.is_some() { Exec::Process } else { self.exec }
     }
 
-    /// Options of the run itself.
+    /// Options of the run for [`sim_host::launch`].
     pub fn options(&self) -> Options {
         Options {
             seed: self.seed,
@@ -268,9 +273,9 @@ const EXECS: [(Exec, &str, &str); 4] = [
     (
         Exec::Auto,
         "auto",
-        "In a process of its own where its imports show that it could end eyesim, else on a fiber or a thread",
+        "In a process of its own if its imports show that it could end eyesim, else on a fiber or a thread",
     ),
-    (Exec::Fiber, "fiber", "On a fiber of the host, or on a thread if it is not fit for that"),
+    (Exec::Fiber, "fiber", "On a fiber of the host, or on a thread if it cannot run on a fiber"),
     (Exec::Thread, "thread", "On a thread of the host"),
     (Exec::Process, "process", "In a process of its own"),
 ];
@@ -353,7 +358,8 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons of failed robots.
+/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons why robots
+/// failed.
 pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, remarks, .. } = finished;
     remarks.iter().for_each(say);
@@ -378,8 +384,8 @@ pub fn explain(finished: &Finished) {
     let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
     for robot in failed.iter().take(MAX_LISTED) {
         let reason = robot.reason.as_deref().unwrap_or("no reason given");
-        let blank = if robot.outcome == Outcome::Waiting { " " } else { ": " };
-        say(format_args!("r{} (`{}`){blank}{reason}", robot.id, robot.program));
+        let separator = if robot.outcome == Outcome::Waiting { " " } else { ": " };
+        say(format_args!("r{} (`{}`){separator}{reason}", robot.id, robot.program));
     }
     if failed.len() > MAX_LISTED {
         say(format_args!("... and {} more: see --report", failed.len() - MAX_LISTED));
@@ -438,7 +444,7 @@ fn exit_code(finished: &Finished) -> ExitCode {
     }
 }
 
-/// The sandbox of the level of this name.
+/// The sandbox of the named level.
 ///
 /// # Errors
 /// Message with the accepted names, or with what the kernel lacks.
@@ -446,12 +452,12 @@ pub fn parse_sandbox(text: &str) -> Result<Sandbox, String> {
     Sandbox::new(Level::parse(text)?).map_err(|error| error.to_string())
 }
 
-/// The rule of contacts of this name.
+/// The named contact rule.
 fn parse_contact(text: &str) -> Result<ContactKind, String> {
     ContactKind::ALL.into_iter().find(|kind| kind.word() == text).ok_or_else(|| "expected slide or stall".to_owned())
 }
 
-/// The dialect of this name.
+/// The named dialect.
 ///
 /// # Errors
 /// Message with the accepted names.

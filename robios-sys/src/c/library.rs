@@ -109,9 +109,9 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("siglongjmp", JUMPS),
     ("__longjmp_chk", JUMPS),
     ("rand", DRAWS),
-    ("srand", "restarts the robot's own stream"),
+    ("srand", "restarts the robot's own stream of random numbers"),
     ("random", DRAWS),
-    ("srandom", "restarts the robot's own stream"),
+    ("srandom", "restarts the robot's own stream of random numbers"),
     ("drand48", DRAWS48),
     ("lrand48", DRAWS48),
     ("mrand48", DRAWS48),
@@ -281,12 +281,12 @@ const PRINTS_ANY: &str = "unchanged; on the robot's console, the robot can be st
 const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
 const WRITES: &str = "descriptors 1 and 2 are the robot's console";
 const READS: &str = "reads the robot's standard input, `--stdin`";
-const READS_ANY: &str = "unchanged; from standard input reads the robot's own";
+const READS_ANY: &str = "unchanged; standard input is the robot's own";
 const OPENS: &str = "opens the file; if this fails and the program then breaks, the message names the file";
 const OPENS_STREAM: &str = "opens the file; in C++, whose streams call it, a failure is reported immediately";
 const JUMPS: &str = "jumps; a jump out of a timer's function ends the robot's program as failed";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
-const DRAWS: &str = "draws from the robot's own stream";
+const DRAWS: &str = "draws from the robot's own stream of random numbers";
 const DRAWS48: &str = "the sequence specified by POSIX; without a seed each robot starts at its own position";
 const STATE_GIVEN: &str = "the sequence specified by POSIX, from the given state";
 const RETURNS_TIME: &str = "returns the robot's virtual time";
@@ -409,10 +409,11 @@ const NETWORK: &str = "data from a network differ between runs";
 const REAL_TIME: &str = "waits for or returns real time";
 const STREAMS: &str = "streams of C++ print to the host's standard output";
 
-/// Reason why a symbol imported by a library built elsewhere is outside the guarantee; `None` if it is inside.
+/// Reason why calls of `symbol` by a library built without the shim may act outside of the robot or of virtual time;
+/// `None` if they do not.
 ///
-/// Without the shim, most [interposed](INTERPOSED) symbols are outside too, except those that almost every library imports and
-/// those that matter only when the program is broken.
+/// In such a library this holds for most [interposed](INTERPOSED) symbols too, except those that almost every library
+/// imports and those that have an effect only if the program has an error.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, text)| *text);
     let is_harmless = |behaviour: &str| {
@@ -427,8 +428,8 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns the reason why a program that imports `symbol` could end the host, or disturb all robots, if it ran on a thread of the
-/// host; `None` for other symbols.
+/// Returns the reason why a program that imports `symbol` could end the host, or disturb all robots, if it ran on a
+/// thread of the host; `None` for other symbols.
 ///
 /// A library without the shim that imports `exit` or a function of the same kind ends the process itself.
 pub fn endangers_host(symbol: &str) -> Option<&'static str> {

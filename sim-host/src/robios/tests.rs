@@ -1,4 +1,4 @@
-//! Answers of the functions on a robot in a world, compared with hand-computed values.
+//! Results of the RoBIOS functions for a robot in a world, compared with hand-computed values.
 
 use std::sync::Arc;
 
@@ -23,7 +23,8 @@ use super::caller::Poll;
 use super::robot::{Ending, WaitReason};
 use super::*;
 
-/// A robot of 200 mm centred on its axle, wheels of 100 mm with 1,000 ticks a turn, 10 turns a second at most.
+/// A robot of 200 mm diameter centred on its axle, with wheels of 100 mm diameter, 1,000 encoder counts for each wheel
+/// turn, and at most 10 wheel turns a second.
 const ROVER: &str = "name Rover
 diameter 200
 speed 5000
@@ -132,7 +133,7 @@ fn layers_use_the_odometry_frame_that_the_program_has_set() {
         let Pose { position, heading } = bench.robot.robios.layers["map"].world_from_frame;
         [position.x, position.y, heading.radians()]
     };
-    assert_eq!(frame(&mut bench), [1.0, 0.5, 0.0], "that of the start");
+    assert_eq!(frame(&mut bench), [1.0, 0.5, 0.0], "the frame at the start");
     let handle = bench.open_vw();
     assert_eq!(vw::set_position(&mut bench.robot, handle, 0.25, 0.0, std::f32::consts::FRAC_PI_2), 0);
     // A quarter turn to the right, about the robot.
@@ -140,7 +141,7 @@ fn layers_use_the_odometry_frame_that_the_program_has_set() {
     let found = frame(&mut bench);
     assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-6), "{found:?}");
     bench.at_ms(100).robot.state.motion.place(Time::from_millis(100), Pose::new(0.3, 0.3, 1.0)).unwrap();
-    assert_eq!(frame(&mut bench), found, "a hand moves the robot, not what it believes");
+    assert_eq!(frame(&mut bench), found, "an intervention moves the robot, not its odometry");
 }
 
 #[test]
@@ -158,11 +159,11 @@ fn a_refused_layer_does_not_change_the_others() {
         assert_eq!(show(number.to_string().as_bytes(), WORLD), (0, number));
     }
     assert_eq!(show(b"one more", WORLD), (1, MAX_LAYERS));
-    assert_eq!(show(b"3", ODOMETRY), (0, MAX_LAYERS), "in place of an earlier one");
+    assert_eq!(show(b"3", ODOMETRY), (0, MAX_LAYERS), "replaces the earlier layer");
 }
 
 #[test]
-fn devices_are_found_by_the_numbers_of_robi_and_header() {
+fn devices_are_found_by_robi_number_and_by_header_constant() {
     let table = Bench::rover().robot.robios.table;
     let name = |number| table.find(HDT_PSD, number).map(|device| device.name.as_str());
     assert_eq!([name(PSD_FRONT), name(2), name(PSD_LEFT)], [Some("PSD_FRONT"), Some("PSD_LEFT"), Some("PSD_LEFT")]);
@@ -220,7 +221,7 @@ fn drives_end_at_the_commanded_place_and_time() {
     let mut bench = Bench::rover();
     let handle = bench.open_vw();
     let Bench { robot, world } = &mut bench;
-    assert_eq!(vw::drive_done(robot, handle), 1, "none was commanded");
+    assert_eq!(vw::drive_done(robot, handle), 1, "no drive was commanded");
     assert_eq!(vw::drive_straight(robot, world, handle, -0.25, 0.125), 0);
     assert_eq!(vw::drive_done(robot, handle), 0);
     assert_eq!(wait_of(vw::drive_wait(robot, handle)), (Time(2_000_000), WaitReason::Drive));
@@ -264,7 +265,7 @@ fn a_drive_against_a_wall_stalls_and_never_ends() {
     assert!((vw::drive_remain(&mut bench.robot, handle) - 1.1).abs() < 1e-5, "skin and single precision");
     assert_eq!(bump::check(&mut bench.robot, back, &mut stamp), -1);
     assert_eq!((bump::check(&mut bench.robot, front, &mut stamp), stamp.value()), (0, Some(&179)));
-    assert_eq!(bump::check(&mut bench.robot, front, &mut Out::null()), -1, "told once");
+    assert_eq!(bump::check(&mut bench.robot, front, &mut Out::null()), -1, "reported once");
     assert_eq!([bump::check(&mut bench.robot, 4, &mut stamp), bump::init(&mut bench.robot, BUMP_LEFT)], [-1, 0]);
 }
 
@@ -324,7 +325,7 @@ fn motors_turn_wheels_and_encoders_count_them() {
     assert_eq!(motor::quad_motor(robot, PSD_FRONT), 0);
     assert_eq!(vw::init(robot, world, VW_DRIVE, 1), 0, "the motors are taken");
     assert_eq!([motor::drive(robot, world, 4, 50), motor::drive(robot, world, 0, 50)], [-1, -1]);
-    // A tenth of 10 turns a second, one turn a second: forwards on the left, backwards on the right.
+    // 10 % of 10 turns a second is one turn a second: forwards on the left, backwards on the right.
     assert_eq!(motor::drive(robot, world, left, 10), 0);
     assert_eq!(motor::drive(robot, world, right, -10), 0);
     bench.at_ms(1_500);
@@ -386,8 +387,8 @@ fn infrared_sensor_compass_and_inputs() {
     assert_eq!([compass::init(&mut bench.robot, IR_FRONT), compass::init(&mut bench.robot, COMPASS)], [1, 0]);
     assert_eq!([compass::start(&mut bench.robot, true), compass::check(&mut bench.robot)], [0, 0]);
     let vw = bench.open_vw();
-    // After 0.7 m the sensor at 0.1 m is 0.2 m from the wall; after 0.8 m it is at 0.1 m, nearer than its range of 0.15
-    // m.
+    // The sensor is 0.1 m ahead of the robot's centre, and its range is 0.15 m. After 0.7 m it is 0.2 m from the wall,
+    // after 0.8 m 0.1 m.
     vw::drive_straight(&mut bench.robot, &bench.world, vw, 0.7, 7.0);
     bench.at_ms(300);
     assert_eq!(ir::read(&mut bench.robot, &bench.world, infrared), 0);
@@ -436,7 +437,7 @@ fn waiting_for_one_key_discards_earlier_presses_of_others() {
     bench.at_ms(2_700);
     assert_eq!(ready(key::wait(&mut bench.robot, KEY2)), 0);
     bench.at_ms(3_000);
-    assert_eq!(key::read(&mut bench.robot), KEY3, "KEY1 is forgotten");
+    assert_eq!(key::read(&mut bench.robot), KEY3, "KEY1 is discarded");
 }
 
 #[test]

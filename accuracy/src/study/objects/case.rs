@@ -13,7 +13,7 @@ use super::impact::{Impact, slide_and_turn, stopping_distance};
 use crate::course::model;
 use crate::world::Random;
 
-/// Bodies after the last step, and the maximum depth of the second of two objects in a wall at x = 0, m.
+/// Bodies after the last step, and the maximum depth, in m, to which the second of two objects entered a wall at x = 0.
 pub type EndState = (Bodies, f64);
 
 /// Objects with velocities among walls, and a robot that may push them.
@@ -62,7 +62,7 @@ pub const IMPACTS: [&str; 7] = [
     "a crate struck off its centre",
 ];
 
-/// Number of starts of each case. They differ in the time of the impact within a step.
+/// Number of runs of each case, which start differently so that the impact happens at different times within a step.
 pub const STARTS: usize = 4;
 /// Delay of the impact from one start to the next, s; not a simple multiple of a step.
 const START_DELAY: f64 = 2.637e-3;
@@ -198,16 +198,16 @@ fn rebound(delay: f64) -> Case {
     }
 }
 
-/// A disc hits a wall with friction and slips during the whole impact, so the tangential impulse is the coefficient of friction times the
-/// normal impulse.
+/// A disc hits a wall with friction and slips during the whole impact, so the tangential impulse is the coefficient of
+/// friction times the normal impulse.
 fn rough_wall(restitution: f64, delay: f64) -> Case {
     let (friction, seconds, start) = (0.1, 0.6, DVec2::new(1.2, 0.9));
     let gap = 0.4531 + start.x * delay;
     let tangential_change = friction * (1.0 + restitution) * start.x;
     let velocity_after = DVec2::new(-restitution * start.x, start.y - tangential_change);
     let omega = -tangential_change * RADIUS / (0.5 * RADIUS * RADIUS);
-    let instant = gap / start.x;
-    let end = start * instant + velocity_after * (seconds - instant);
+    let impact_time = gap / start.x;
+    let end = start * impact_time + velocity_after * (seconds - impact_time);
     let properties = object(Shape::Disc { radius: RADIUS }, 0.5, FREE, restitution, friction);
     let name = if restitution > 0.0 { "a rough wall, restitution 0.5" } else { "a rough wall, inelastic" };
     let trial = Trial { walls: wall(gap + RADIUS), ..single_object(name, properties, (start, 0.0), seconds) };
@@ -220,7 +220,7 @@ fn rough_wall(restitution: f64, delay: f64) -> Case {
     Case { trial, error_of_end: Box::new(error) }
 }
 
-/// A ball of 4 mm between two walls at 50 m/s, elastic.
+/// An elastic disc of 4 mm diameter moves to and fro between two walls at 50 m/s.
 fn fast_ball(delay: f64) -> Case {
     let (radius, x, speed, seconds) = (0.002, 0.5173, 50.0, 0.05);
     let lane = x - radius;
@@ -271,13 +271,13 @@ fn impacts() -> [(&'static str, Impact); 5] {
     ]
 }
 
-/// Error of a collision as a function of the impact, the distance of the centres along x at the start (m), the duration (s), and the
-/// bodies.
+/// Error of a collision as a function of the impact, the distance of the centres along x at the start (m), the duration
+/// (s), and the bodies.
 type CollisionError = fn(&Impact, f64, f64, &Bodies) -> f64;
 
 fn collision(name: &'static str, impact: Impact, delay: f64, error: CollisionError) -> Case {
     let initial_distance = 0.4137 + impact.speed * delay;
-    // After the impact, and a multiple of all steps.
+    // The trial ends after the impact, and its duration is a multiple of every step.
     let seconds = if impact.speed > 10.0 { 0.05 } else { 0.5 };
     let disc_of_mass = |mass| disc(RADIUS, mass, FREE, impact.restitution);
     let objects = vec![
@@ -289,7 +289,8 @@ fn collision(name: &'static str, impact: Impact, delay: f64, error: CollisionErr
     Case { trial, error_of_end: Box::new(move |(bodies, _)| error(&impact, initial_distance, seconds, bodies)) }
 }
 
-/// Larger of the relative errors of the velocities (relative to the initial speed) and of the positions (to the path without an impact).
+/// Maximum relative error of the velocities and positions of both bodies. The scale of a body is the initial speed, or
+/// its own speed after the impact if that is higher; positions are relative to the path at this speed.
 fn motion_error(impact: &Impact, initial_distance: f64, seconds: f64, bodies: &Bodies) -> f64 {
     let (velocities, positions) = (impact.velocities(), impact.positions(initial_distance, seconds));
     let body_error = |index: usize| {
@@ -335,7 +336,7 @@ fn crowd(start: usize) -> Case {
     Case { trial, error_of_end: Box::new(move |(bodies, _)| (bodies.energy() / energy - 1.0).abs()) }
 }
 
-/// A crate of 5 kg pushes a ball of 10 g into a wall; the error is the maximum depth in the wall relative to the radius.
+/// A crate of 5 kg pushes a ball of 10 g into a wall; the error is the ball's maximum depth in the wall, in ball radii.
 fn squeezed_ball(delay: f64) -> Case {
     let heavy = object(Shape::Rectangle { half: DVec2::splat(0.1) }, 5.0, FREE, 0.5, 0.0);
     let trial = Trial {
@@ -369,8 +370,8 @@ pub fn struck_crate() -> Trial {
 /// Duration of [`robot_and_heavy_crate`], s.
 pub const PUSH_SECONDS: f64 = 2.0;
 
-/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at 0.2 m/s against the
-/// crate (3 kg, friction 0.5), whose friction stops both. The trial runs in a world with slots of 50 ms.
+/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at
+/// 0.2 m/s against the crate (3 kg, friction 0.5), whose friction stops both. The slots are 50 ms long.
 pub fn robot_and_heavy_crate() -> f64 {
     let (mass, crate_mass, speed, coefficient) = (2.0, 3.0, 0.2, 0.5);
     let common_speed = mass * speed / (mass + crate_mass);

@@ -19,7 +19,8 @@ fn frame_time() -> Time {
     air_time(0, BAUD)
 }
 
-/// Time of the first token in a ring of `members` stations formed at the end of the first slot: after silence, poll and answers.
+/// Time of the first token in a ring of `members` stations formed at the end of the first slot: after the silence, the
+/// poll and the answers.
 fn first_token(members: i64) -> Time {
     SLOT + Time((SILENCE_FRAMES + members) * frame_time().0)
 }
@@ -28,8 +29,8 @@ fn message_for_token(from: u32, sequence: u64, to: Address, bytes: usize, queued
     OutgoingMessage { begins: None, ..message_from(from, sequence, to, vec![0; bytes], queued_at) }
 }
 
-/// Saturated ring: each of `count` robots has queued `messages_each` messages, of a length that depends on the robot, when the ring
-/// is formed. Returns (sender, begin, end) of the transmissions in the order of time.
+/// Saturated ring: each of `count` robots has queued `messages_each` messages, of a length that depends on the robot,
+/// when the ring is formed. Returns (sender, begin, end) of the transmissions in the order of time.
 fn saturated(errors: RadioNoise, count: u32, messages_each: u64) -> Vec<(u32, Time, Time)> {
     let mut channel = ring(vec![errors; count as usize], count);
     let messages = (1..=count).flat_map(|from| (1..=messages_each).map(move |sequence| (from, sequence)));
@@ -74,6 +75,7 @@ fn lost_token_is_replaced_and_no_station_starves() {
             assert!(!is_lost || silence == Time((SILENCE_FRAMES + 5) * frame_time().0), "{silence}");
             lost += u64::from(is_lost);
         }
+        // A token has 56 bits.
         let success_rate = (1.0 - packet_loss) * f64::powi(1.0 - bit_error_rate, 56);
         let p = binomial(lost, sent.len() as u64 - 1, 1.0 - success_rate);
         assert!(p > 0.001, "{lost} tokens lost of {} at {success_rate}: {p}", sent.len());
@@ -82,13 +84,14 @@ fn lost_token_is_replaced_and_no_station_starves() {
 
 #[test]
 fn idle_ring_skips_rounds_and_has_the_right_holder() {
-    // Ten years: 5e11 token frames.
+    // 87,600 hours are ten years, in which 5e11 tokens are passed.
     for (members, hours) in [(1, 1), (4, 1), (4, 87_600), (1_000, 1)] {
         let mut channel = ring(Vec::new(), members);
         let later = Time(hours * 3_600_000_000).floor_to(SLOT);
         let passes = (later.0 - first_token(members.into()).0).div_euclid(frame_time().0);
         let messages = (1..=members).map(|from| message_for_token(from, 1, Address::All, 0, later)).collect();
         let mut deliveries = channel.exchange(later + SLOT, messages);
+        // One delivery of each broadcast.
         deliveries.retain(|delivery| delivery.to.0 == if delivery.from.0 == 1 { 2.min(members) } else { 1 });
         let first = deliveries.iter().min_by_key(|delivery| delivery.arrives).expect("there are messages");
         let holder = (passes + 1) % i64::from(members) + 1;
@@ -120,8 +123,8 @@ fn token_losses_in_an_idle_ring_are_independent_of_the_query_times() {
 
 #[test]
 fn token_is_replaced_if_its_holder_leaves() {
-    // The slot boundary falls into the turn of each of the three robots, twice each. Robot 2 leaves at the boundary; in two of
-    // the six cases it is the next holder.
+    // In the six cases, the next holder of the token after the slot boundary is each of the three robots twice. Robot 2
+    // leaves at the boundary.
     let mut cases_with_leaving_holder = 0;
     for passes in 0..6 {
         let mut channel = ring(Vec::new(), 3);
@@ -130,7 +133,7 @@ fn token_is_replaced_if_its_holder_leaves() {
         channel.exchange(boundary, Vec::new());
         // The holder at the boundary finishes its frame and passes the token to the next.
         let holder = (passes + 1) % 3 + 1;
-        let at = boundary - Time(1) + frame_time();
+        let passed_at = boundary - Time(1) + frame_time();
         let messages = vec![
             message_for_token(1, 1, Address::One(0), 0, boundary),
             message_for_token(3, 1, Address::One(0), 0, boundary),
@@ -144,11 +147,11 @@ fn token_is_replaced_if_its_holder_leaves() {
         if holder == 2 {
             cases_with_leaving_holder += 1;
             // Robot 3 waits and polls, and robot 1 answers.
-            assert_eq!(begins(3), at + Time((SILENCE_FRAMES + 2) * frame_time().0));
+            assert_eq!(begins(3), passed_at + Time((SILENCE_FRAMES + 2) * frame_time().0));
             assert_eq!(begins(1), begins(3) + frame_time());
         } else {
             let (first, second) = if holder == 1 { (1, 3) } else { (3, 1) };
-            assert_eq!((begins(first), begins(second)), (at, at + frame_time()));
+            assert_eq!((begins(first), begins(second)), (passed_at, passed_at + frame_time()));
         }
     }
     assert_eq!(cases_with_leaving_holder, 2);
@@ -170,7 +173,7 @@ fn empty_ring_restarts_with_a_new_token() {
 }
 
 #[test]
-fn frames_have_the_speed_of_their_sender() {
+fn frames_have_the_baud_rate_of_their_sender() {
     let mut channel = Channel::new(RING, 1, Vec::new());
     for (robot, baud) in [(1, 9_600), (2, 115_200)] {
         channel.set_member(RobotId(robot), Some(StationInfo { robot: RobotId(robot), address: robot, baud }));
@@ -184,7 +187,7 @@ fn frames_have_the_speed_of_their_sender() {
         deliveries.iter().map(|delivery| delivery.arrives).collect::<Vec<_>>(),
         [first + air_time(10, 115_200), first]
     );
-    // Tokens are received at every speed; messages are not.
+    // A station receives tokens at every baud rate, but messages only at its own.
     assert!(deliveries.iter().all(|delivery| delivery.outcome == Err(Loss::Baud)));
 }
 

@@ -12,7 +12,8 @@ pub(super) struct Ray {
     pub direction: DVec2,
     /// Maximum distance between the ray and a point that it touches.
     pub rounding_error: f64,
-    /// Upper bound of the product of a wall's length and the maximum distance from the wall of an origin on it.
+    /// Upper bound of `length * distance` for a wall on which the origin lies: the wall's length, and the origin's
+    /// distance from the wall, which rounding makes positive.
     pub area_rounding_error: f64,
 }
 
@@ -32,7 +33,7 @@ impl Ray {
         End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
     }
 
-    /// Distance to a wall on the ray's line, without the limit of the range; negative if the ray misses the wall.
+    /// Distance along the ray to a wall, even beyond the ray's range; negative if the ray misses the wall.
     // `|` instead of `||`, because branch prediction would fail half of the time.
     #[inline(always)]
     pub fn distance(self, segment: &Segment) -> f64 {
@@ -50,8 +51,7 @@ impl Ray {
         }
     }
 
-    /// Distance to a wall if the ray's line may touch one of its ends, or the origin may lie on it; negative if the ray
-    /// misses the wall.
+    /// Same as [`Ray::distance`], for a wall on which the origin may lie, or of which the ray's line may touch an end.
     #[cold]
     #[inline(never)]
     fn touch_distance(self, segment: &Segment, a: End, b: End) -> f64 {
@@ -98,7 +98,8 @@ impl Nearest {
         Self { distance: range, wall: NO_WALL }
     }
 
-    /// Records a hit at `distance` if it is the nearest; a negative distance means no hit.
+    /// Records a hit at `distance` if it is the nearest, and at equal distances has the lowest number, and `accepts`
+    /// it. A negative distance means no hit.
     #[inline(always)]
     pub fn offer(&mut self, wall: WallId, distance: f64, accepts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)
