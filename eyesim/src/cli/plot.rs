@@ -30,7 +30,7 @@ pub struct PlotArgs {
     /// Width and height of the picture in pixels [default: from the world's shape]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
-    /// Title above the picture [default: the file's name and size]
+    /// Title above the picture [default: the file's name and a summary]
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 }
