@@ -102,5 +102,5 @@ for planner in PLANNERS:
 for second, first in ("both", "none"), ("none", "straight"):
     failures = [int(a) - int(b) for a, b in zip(fails[second], fails[first])]
     touches = [a - b for (_, a), (_, b) in zip(walks[second], walks[first])]
-    print(f"{NAMES[second]} minus {NAMES[first]}: failures {interval(failures)}, fewer on {failures.count(-1)} and more "
-          f"on {failures.count(1)} terrains; touches {interval(touches)}")
+    print(f"{NAMES[second]} minus {NAMES[first]}: failures {interval(failures)}, fewer on {failures.count(-1)} and "
+          f"more on {failures.count(1)} terrains; touches {interval(touches)}")

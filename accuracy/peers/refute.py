@@ -156,11 +156,12 @@ def slots():
             common = [instant for instant in near if None not in (near[instant], reference[0].get(instant))]
             errors = [abs(near[instant] - reference[0][instant]) for instant in common]
             same = [instant for instant in poses if instant in reference[3]]
-            print(f"slots of {slot} ms against 1 ms, noise {noise}, {contacts} contacts: of {len(errors)} readings of a robot "
-                  f"with commands {sum(error > 0 for error in errors)} differ, by at most {1000 * max(errors):.1f} mm; "
-                  f"readings of a wall equal: {still == reference[1]}; arrivals of {len(delays)} messages equal: "
-                  f"{delays.keys() == reference[2].keys()}; available {1000 * statistics.mean(delays.values()):.1f} ms after "
-                  f"arrival, at most {1000 * max(delays.values()):.1f} ms"
+            print(f"slots of {slot} ms against 1 ms, noise {noise}, {contacts} contacts: of {len(errors)} readings of "
+                  f"a robot with commands {sum(error > 0 for error in errors)} differ, by at most "
+                  f"{1000 * max(errors):.1f} mm; readings of a wall equal: {still == reference[1]}; arrivals of "
+                  f"{len(delays)} messages equal: "
+                  f"{delays.keys() == reference[2].keys()}; available {1000 * statistics.mean(delays.values()):.1f} ms "
+                  f"after arrival, at most {1000 * max(delays.values()):.1f} ms"
                   + (f"; {len(same)} poses equal: {all(poses[at] == reference[3][at] for at in same)}" if same else ""))
 
 
@@ -195,7 +196,7 @@ def sonar():
         low, high = wilson(hits, len(errors))
         before, after = (100 * share for share in beyond(distance))
         print(f"sonar at {distance} mm: {100 * hits / len(errors):.2f} % of {len(errors)} errors beyond 4 cm "
-              f"({low:.2f} to {high:.2f}); normal errors before rounding {before:.2f} %, after {after:.2f} %, without outliers")
+              f"({low:.2f} to {high:.2f}); normal errors before rounding {before:.2f} %, after {after:.2f} %")
 
 
 EYESIM = str(Path(sys.argv[1]).resolve())
