@@ -117,6 +117,8 @@ pub enum Weight {
     Must,
     /// The page reports it: the paper's claim may be wrong, or hold under other conditions.
     Told,
+    /// The page reports that the result is undecided: it neither supports nor refutes the paper's claim.
+    Open,
 }
 
 impl Page {
@@ -248,11 +250,13 @@ impl Claim {
         }
     }
 
-    /// The claim's verdict: `yes`, `no`, or `FAILS` for a claim that must hold and does not.
+    /// The claim's verdict: `yes`, `no`, `open` for an undecided result, or `FAILS` for a claim that must hold and does
+    /// not.
     pub fn verdict(&self) -> &'static str {
         match (self.holds, self.weight) {
             (true, _) => "yes",
             (false, Weight::Told) => "no",
+            (false, Weight::Open) => "open",
             (false, Weight::Must) => "FAILS",
         }
     }
@@ -369,12 +373,12 @@ mod tests {
     fn only_what_must_hold_fails() {
         let mut page = Page::new("T", "S");
         assert!(!page.has_failed());
-        page.claims = vec![claim(true, Weight::Must), claim(false, Weight::Told)];
+        page.claims = vec![claim(true, Weight::Must), claim(false, Weight::Told), claim(false, Weight::Open)];
         assert!(!page.has_failed());
         page.claims.push(claim(false, Weight::Must));
         assert!(page.has_failed());
         let verdicts: Vec<_> = page.claims.iter().map(Claim::verdict).collect();
-        assert_eq!(verdicts, ["yes", "no", "FAILS"]);
+        assert_eq!(verdicts, ["yes", "no", "open", "FAILS"]);
     }
 
     #[test]
