@@ -42,6 +42,7 @@ impl Reader {
                 start: value_span.start + offset,
                 end: value_span.start + offset + text.len(),
                 line: value_span.line + lines,
+                mark: u32::from(text.starts_with('\u{feff}')),
             },
             _ => TextPlace::Whole(value_span),
         }
@@ -50,8 +51,9 @@ impl Reader {
 
 /// Mapping of positions in a string value to positions in the file.
 enum TextPlace {
-    /// The string starts at the beginning of a line of the file and contains no escapes.
-    Written { start: usize, end: usize, line: u32 },
+    /// The string starts at the beginning of a line of the file and contains no escapes. `mark` is the number of byte order
+    /// marks at its start, 0 or 1: readers of a file do not count them as characters, but here they are.
+    Written { start: usize, end: usize, line: u32, mark: u32 },
     /// Any other notation: only the whole value has a span.
     Whole(Span),
 }
@@ -60,13 +62,13 @@ impl TextPlace {
     /// Converts a span in the string to a span in the file.
     fn span_in_file(&self, span: Span) -> Span {
         match *self {
-            TextPlace::Written { start, end, line } if span.line > 0 => Span {
+            TextPlace::Written { start, end, line, mark } if span.line > 0 => Span {
                 start: (start + span.start).min(end),
                 end: (start + span.end).min(end),
                 line: line + span.line - 1,
-                column: span.column,
+                column: span.column + if span.line == 1 { mark } else { 0 },
             },
-            TextPlace::Written { start, end, line } => Span { start, end, line, column: 1 },
+            TextPlace::Written { start, end, line, .. } => Span { start, end, line, column: 1 },
             TextPlace::Whole(whole) => whole,
         }
     }

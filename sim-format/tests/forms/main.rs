@@ -454,6 +454,10 @@ fn mistakes_in_a_drawn_maze_have_their_own_lines() {
         reported.iter().find(|diagnostic| diagnostic.code == Code::MazLetter).expect("a letter that means nothing");
     assert_eq!((letter.span.line, letter.span.column), (4, 2));
     assert_eq!(&text[letter.span.start..letter.span.end], "?");
+    // A byte order mark within a file is a character of its line.
+    let reported = read_scene("b.scene.toml", "[world]\nmaze = '''\n\u{feff} _?\n|  |\n|_ _|\n'''\n").1;
+    let letter = reported.iter().find(|diagnostic| diagnostic.code == Code::MazLetter).expect("the same letter");
+    assert_eq!((letter.span.line, letter.span.column), (3, 4));
 }
 
 #[test]
