@@ -32,7 +32,7 @@ use crate::{
 pub use lifetime::Lifetime;
 pub use objects::ObjectStep;
 use objects::Objects;
-pub use ray::{HitSurface, Ray, RayHit, Tilt};
+pub use ray::{HitSurface, Ray, RayCaster, RayHit, Tilt};
 use settle::{ContactResolution, SlotMotion, TrueMotions};
 use space::IndexedSpace;
 pub use space::{Space, ThickWall};

@@ -91,7 +91,7 @@ fn readings_in_a_room_match_the_closed_form() {
             };
             let read = |model| {
                 let mount = Pose3::from_angles(offset, roll, pitch, yaw);
-                RangeSensor { mount, link: None, model }.read(&world, ME, &posture, Time::ZERO, 0.0)
+                RangeSensor { mount, link: None, model }.read(&world.caster(ME, Time::ZERO), &posture, 0.0)
             };
             let (sin, cos) = math::sin_cos(heading);
             let origin = DVec3::new(
@@ -143,7 +143,7 @@ fn a_sonar_detects_the_nearest_mirror_that_faces_it() {
             let position = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
             let (pitch, yaw) = (random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
             let pose = Pose3::from_angles(position + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
-            let found = RangeModel::Sonar(sonar).read(&world, ME, &pose, Time::ZERO, 0.0);
+            let found = RangeModel::Sonar(sonar).read(&world.caster(ME, Time::ZERO), &pose, 0.0);
 
             // A mirror returns an echo only from the sensor's projection onto it.
             let forward = pose.forward();
@@ -180,7 +180,7 @@ fn oblique_wall(distance: f64, angle: f64, surface: Surface) -> World {
 
 /// Reading of a sensor at the origin, 0.5 m above the floor, that looks along x.
 fn read_ahead(model: RangeModel, world: &World) -> Reading {
-    model.read(world, ME, &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, Time::ZERO, 0.0)
+    model.read(&world.caster(ME, Time::ZERO), &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, 0.0)
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
     for offset in [-1e-9, 0.0, 1e-9] {
         let pose = Pose3::from_angles(DVec3::new(0.3, 0.2, 0.5), 0.7, -(FRAC_PI_4 - offset), 1.1);
         let world = world(Walls::new(Vec::new()), Space::default());
-        let reading = RangeModel::Laser(Echo::LASER).read(&world, ME, &pose, Time::ZERO, 0.0);
+        let reading = RangeModel::Laser(Echo::LASER).read(&world.caster(ME, Time::ZERO), &pose, 0.0);
         assert_eq!(reading.signal == 1.0, offset <= 0.0, "{offset}");
     }
 }
@@ -311,7 +311,7 @@ fn a_sonar_measures_low_walls_with_a_body_of_another_shape_near_or_far() {
             let space = Space { walls: vec![Surface::ROUGH], fixed: ball.into_iter().collect(), ..Space::default() };
             let pose = Pose3::from_angles(DVec3::new(0.0, 0.0, 0.1), 0.0, pitch, 0.0);
             let world = world(walls, space);
-            RangeModel::Sonar(Sonar::srf08()).read(&world, ME, &pose, Time::ZERO, 0.0).distance.unwrap_or(6.0)
+            RangeModel::Sonar(Sonar::srf08()).read(&world.caster(ME, Time::ZERO), &pose, 0.0).distance.unwrap_or(6.0)
         };
         let fan = read(None, 0.0);
         assert_eq!(read(Some(DVec2::new(-70.0, 0.0)), 0.0), fan, "{case}: out of range");
@@ -341,7 +341,7 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
     {
         let posture =
             Posture { world_from_robot: Pose::new(0.5, 0.2, 0.0), links: &links, angles: &[pan, tilt], lift: 0.0 };
-        let found = sensor.read(&world, ME, &posture, Time::ZERO, 0.0).distance;
+        let found = sensor.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance;
         let (sin_pan, sin_tilt, cos_tilt) = (math::sin(pan), math::sin(tilt), math::cos(tilt));
         let (y, z) = (0.2 + sin_pan * (0.05 + 0.02 * cos_tilt), 0.3 + 0.02 * sin_tilt);
         let to_wall = (2.0 - y) / (sin_pan * cos_tilt);
@@ -369,7 +369,7 @@ fn a_level_psd_on_the_body_is_bit_identical_to_a_beam() {
         let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range: 2.0 } };
         let posture = Posture { world_from_robot: pose, ..Posture::default() };
         let beam = Beam { mount: Mount::new(x, y, angle), range: 2.0 };
-        let found = psd.read(&world, ME, &posture, Time::ZERO, 0.0).distance;
+        let found = psd.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance;
         assert_eq!(found, beam.distance(&world, ME, &pose, Time::ZERO));
     }
 }
@@ -379,7 +379,7 @@ fn noise_scales_the_distance_or_the_signal() {
     let world = oblique_wall(0.5, 0.0, Surface::ROUGH);
     let read = |model: RangeModel, noise| {
         let pose = Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY };
-        model.read(&world, ME, &pose, Time::ZERO, noise)
+        model.read(&world.caster(ME, Time::ZERO), &pose, noise)
     };
     for model in [
         RangeModel::Psd { range: 1.0 },
@@ -427,7 +427,7 @@ fn a_level_psd_detects_meshes() {
         let mount = Pose3 { position: DVec3::new(0.1, 0.0, z), ..Pose3::IDENTITY };
         let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range } };
         let posture = Posture { world_from_robot: Pose::new(1.0, 1.0, heading), ..Posture::default() };
-        psd.read(&world, ME, &posture, Time::ZERO, 0.0).distance
+        psd.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance
     };
     assert!((read(0.5, 0.0, 9.0).unwrap() - 2.9).abs() < 1e-12);
     assert!((read(0.5, FRAC_PI_2, 9.0).unwrap() - 1.9).abs() < 1e-12);
@@ -524,7 +524,7 @@ fn a_sonar_detects_the_faces_of_a_mesh_that_its_fan_hits() {
     for case in 0..1000 {
         let position = DVec3::new(random.between(0.5, 3.5), random.between(0.5, 2.5), random.between(0.5, 2.0));
         let pose = Pose3::from_angles(position, 0.0, random.between(-1.0, 1.0), random.between(-PI, PI));
-        let read = |world| RangeModel::Sonar(sonar).read(world, ME, &pose, Time::ZERO, 0.0).distance;
+        let read = |world: &World| RangeModel::Sonar(sonar).read(&world.caster(ME, Time::ZERO), &pose, 0.0).distance;
         match (read(&walls), read(&mesh)) {
             (Some(exact), Some(found)) => {
                 assert!((found - exact).abs() < 1e-9, "{case}: {found} for {exact}");

@@ -80,7 +80,7 @@ fn a_level_psd_reads_bit_for_bit_what_a_plane_beam_reads() {
         let beam = Beam { mount: Mount::new(psd.position.x, psd.position.y, psd.angle), range: psd.range };
         let world_from_robot = Pose::new(random.between(0.3, 3.7), random.between(0.3, 2.7), random.between(-9.0, 9.0));
         let posture = Posture { world_from_robot, ..Posture::default() };
-        let reading = range_sensors(&robi)[0].read(&world, RobotId(1), &posture, Time::ZERO, 0.0);
+        let reading = range_sensors(&robi)[0].read(&world.caster(RobotId(1), Time::ZERO), &posture, 0.0);
         let distance = beam.distance(&world, RobotId(1), &world_from_robot, Time::ZERO);
         assert_eq!(reading.distance.map(f64::to_bits), distance.map(f64::to_bits), "{psd:?}");
     }

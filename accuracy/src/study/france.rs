@@ -70,7 +70,7 @@ pub fn walk(period: f64) -> Vec<Sample> {
         let posture = Posture { world_from_robot, links: &shin, angles: &[pitch], lift: 0.0 };
         let read = |model| {
             let sensor = RangeSensor { mount, link: Some(0), model };
-            let reading = sensor.read(&world, ROBOT, &posture, Time::ZERO, 0.0);
+            let reading = sensor.read(&world.caster(ROBOT, Time::ZERO), &posture, 0.0);
             reading.distance.expect("these sensors always read a distance")
         };
         let ray = posture.world_from(&mount, Some(0));

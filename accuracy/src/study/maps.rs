@@ -268,7 +268,7 @@ fn stop(world: &World, seed: u64, number: usize, position: DVec2, heading: f64) 
         let axis = Pose::new(position.x, position.y, heading + FAN.sector * (sonar_index as f64 + 0.5 * scan as f64));
         let rim = axis.outward(Point::new(FAN.radius, 0.0));
         let pose = Pose3::from_angles(DVec3::new(rim.x, rim.y, HEIGHT), 0.0, 0.0, axis.heading);
-        let exact = RangeModel::Sonar(sonar).read(world, RobotId(1), &pose, Time::ZERO, 0.0).distance;
+        let exact = RangeModel::Sonar(sonar).read(&world.caster(RobotId(1), Time::ZERO), &pose, 0.0).distance;
         let errors = RangeErrors::new(NOISE, seed, RobotId(1), &format!("SONAR_{sonar_index}"));
         let event = (2 * number + scan) as u64;
         Reading { axis, distance: errors.reading(event, Time::ZERO, [FAN.nearest, FAN.farthest], exact) }

@@ -107,7 +107,7 @@ struct Case {
 
 /// Reading of the core's sonar.
 fn read_sonar(case: &Case, sonar: &Sonar) -> Option<f64> {
-    RangeModel::Sonar(*sonar).read(&case.world, ME, &case.world_from_sensor, Time::ZERO, 0.0).distance
+    RangeModel::Sonar(*sonar).read(&case.world.caster(ME, Time::ZERO), &case.world_from_sensor, 0.0).distance
 }
 
 /// Nearest echo along rays spread evenly over the horizontal plane in front of a level sensor.

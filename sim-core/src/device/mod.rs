@@ -57,6 +57,7 @@ impl Devices {
     /// Replaces the noise models of the devices of `robot` with the models of `profile`, in a run with `seed`.
     pub fn set_errors(&mut self, spec: &RobiSpec, profile: &Profile, seed: u64, robot: RobotId) {
         self.ranges.set_errors(spec, profile, seed, robot);
+        self.psds.forget_unread();
         self.camera.set_errors(profile.camera, seed, robot);
         let compass = spec.compass.as_ref();
         self.compass.errors = compass.map(|it| CompassErrors::new(profile.compass, seed, robot, &it.name));

@@ -24,6 +24,11 @@ pub struct Psds {
     readings: Vec<Latest>,
     /// End of the latest cycle completed since the last start.
     stamp: Option<Time>,
+    /// Sensors that were read in the latest cycle.
+    read: SensorSet,
+    /// Sensors that were read in the cycle before, and will probably be read in the latest: the first read measures with
+    /// all of them, because the rays of one instant share work.
+    expected: SensorSet,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -85,14 +90,41 @@ impl Psds {
         self.stamp
     }
 
-    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` computes the sensor's
-    /// reading at an instant.
-    pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
+    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` computes the readings
+    /// of a set of sensors at an instant.
+    pub fn read(&mut self, index: usize, now: Time, measure: impl Measure) -> Option<Measured> {
         self.advance(now);
-        let latest = self.readings.get_mut(index)?;
-        let measured_at = latest.measured_at?;
-        let reading = *latest.value.get_or_insert_with(|| measure(index, measured_at));
+        let &Latest { measured_at, value } = self.readings.get(index)?;
+        let measured_at = measured_at?;
+        self.read |= 1 << index;
+        let reading = match value {
+            Some(reading) => reading,
+            None => {
+                self.measure(self.expected | 1 << index, measured_at, measure);
+                self.readings[index].value?
+            }
+        };
         Some(Measured { measured_at, reading })
+    }
+
+    /// Computes the missing values of those of `sensors` that measured at `measured_at`.
+    fn measure(&mut self, sensors: SensorSet, measured_at: Time, measure: impl Measure) {
+        let is_missing = |index: &usize| {
+            self.readings.get(*index).is_some_and(|it| it.measured_at == Some(measured_at) && it.value.is_none())
+        };
+        let missing = members(sensors).filter(is_missing).fold(0, |set, index| set | 1 << index);
+        if missing != 0 {
+            measure(missing, measured_at, &mut |index, reading| self.readings[index].value = Some(reading));
+        }
+    }
+
+    /// Drops the values that the program has not read yet: they are computed anew when it reads them.
+    pub fn forget_unread(&mut self) {
+        for (index, latest) in self.readings.iter_mut().enumerate() {
+            if self.read >> index & 1 == 0 && latest.measured_at == self.stamp {
+                latest.value = None;
+            }
+        }
     }
 
     /// Addresses of the heap memory that [`Psds::read`] touches.
@@ -109,14 +141,15 @@ impl Psds {
     }
 
     /// Computes the values of a measurement that ended by `now`.
-    pub fn settle(&mut self, now: Time, mut measure: impl FnMut(usize, Time) -> Reading) {
+    pub fn settle(&mut self, now: Time, measure: impl Measure) {
         if now < self.due() {
             return;
         }
         let Some(Measurement { sensors, .. }) = self.measurement else { return };
         self.advance(now);
-        for index in members(sensors) {
-            self.read(index, now, &mut measure);
+        if let Some(measured_at) = self.stamp {
+            self.read |= sensors;
+            self.measure(sensors, measured_at, measure);
         }
     }
 
@@ -131,6 +164,7 @@ impl Psds {
         let Some(measured_at) = cycle.latest_end(now) else { return };
         if self.stamp != Some(measured_at) {
             self.stamp = Some(measured_at);
+            self.expected = std::mem::take(&mut self.read);
             for index in members(sensors) {
                 self.readings[index] = Latest { measured_at: Some(measured_at), value: None };
             }
@@ -141,8 +175,13 @@ impl Psds {
     }
 }
 
+/// Computes the readings of a set of sensors at an instant, and passes each with its sensor to the given function.
+pub trait Measure: FnOnce(SensorSet, Time, &mut dyn FnMut(usize, Reading)) {}
+
+impl<F: FnOnce(SensorSet, Time, &mut dyn FnMut(usize, Reading))> Measure for F {}
+
 /// The sensors of a set, in order.
-fn members(sensors: SensorSet) -> impl Iterator<Item = usize> {
+pub(crate) fn members(sensors: SensorSet) -> impl Iterator<Item = usize> + Clone {
     (0..SensorSet::BITS).filter(move |index| sensors >> index & 1 == 1).map(|index| index as usize)
 }
 
@@ -150,9 +189,15 @@ fn members(sensors: SensorSet) -> impl Iterator<Item = usize> {
 mod tests {
     use super::*;
 
-    /// Reading in a world in which sensor i measures i metres plus one metre per second of virtual time.
-    fn measure(index: usize, at: Time) -> Reading {
-        Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
+    /// Measures in a world in which sensor i reads i metres plus one metre per second of virtual time.
+    fn measure(sensors: SensorSet, at: Time, store: &mut dyn FnMut(usize, Reading)) {
+        let reading = |index| Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 };
+        members(sensors).for_each(|index| store(index, reading(index)));
+    }
+
+    /// Fails the test if a value has to be computed.
+    fn unexpected(_: SensorSet, _: Time, _: &mut dyn FnMut(usize, Reading)) {
+        panic!("the value is known");
     }
 
     fn measured(measured_at: Time, metres: f64) -> Option<Measured> {
@@ -167,11 +212,33 @@ mod tests {
         assert_eq!(psds.stamp(Time(60_999)), None);
         let first = psds.read(2, Time(61_000), measure);
         assert_eq!(first, measured(Time(61_000), 2.061));
-        let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
+        let later = psds.read(2, Time(120_999), unexpected);
         assert_eq!(later, first);
         assert_eq!(psds.read(2, Time(121_000), measure).unwrap().measured_at, Time(121_000));
         assert_eq!(psds.read(1, Time(121_000), measure), None, "not started");
         assert_eq!(psds.due(), Time::NEVER);
+    }
+
+    #[test]
+    fn sensors_that_were_read_in_the_last_cycle_measure_together() {
+        let mut psds = Psds::default();
+        psds.start(0b111, true, Time(0));
+        let sets = |psds: &mut Psds, index, now| {
+            let mut set = 0;
+            let found = psds.read(index, now, |sensors, at, store| {
+                set = sensors;
+                measure(sensors, at, store);
+            });
+            (set, found)
+        };
+        assert_eq!(sets(&mut psds, 0, Time(60_000)), (0b001, measured(Time(60_000), 0.06)));
+        assert_eq!(sets(&mut psds, 2, Time(60_000)), (0b100, measured(Time(60_000), 2.06)));
+        assert_eq!(sets(&mut psds, 2, Time(120_000)), (0b101, measured(Time(120_000), 2.12)));
+        assert_eq!(psds.read(0, Time(120_001), unexpected), measured(Time(120_000), 0.12));
+        assert_eq!(sets(&mut psds, 2, Time(180_000)), (0b101, measured(Time(180_000), 2.18)));
+        psds.forget_unread();
+        assert_eq!(psds.read(2, Time(180_001), unexpected), measured(Time(180_000), 2.18));
+        assert_eq!(sets(&mut psds, 0, Time(180_001)), (0b001, measured(Time(180_000), 0.18)));
     }
 
     #[test]
@@ -183,7 +250,7 @@ mod tests {
         psds.settle(Time(60_000), measure);
         assert_eq!(psds.due(), Time::NEVER);
         let reading = measured(Time(60_000), 0.06);
-        assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), reading);
+        assert_eq!(psds.read(0, Time(9_000_000), unexpected), reading);
         assert!(psds.start(1, true, Time(9_000_000)));
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
         assert_eq!(psds.read(0, Time(9_000_001), measure), reading, "the old value stays");

@@ -13,9 +13,9 @@ use crate::pose::{Link, Pose3};
 use crate::sensor::{Fan, Mount, Posture, RangeSensor, Reading, Scan};
 use crate::spec::{LIDAR, LidarSpec, RobiSpec};
 use crate::time::Time;
-use crate::world::World;
+use crate::world::{RayCaster, World};
 
-use super::psd::CYCLE;
+use super::psd::{CYCLE, SensorSet, members};
 use super::servo::Servos;
 
 /// Range sensors of a robot and the links that carry them: the links of its legs, then the links of the robi.
@@ -98,21 +98,30 @@ impl Ranges {
         self.sensors.get(index).map_or(NO_RETURN, |sensor| sensor.model.no_return())
     }
 
-    /// Reading of sensor `index` at `at`, with the servo angles just before `at`; no return if the sensor does not
-    /// exist.
-    pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
+    /// Casts the rays of `sensors`, mounted on the body with this motion, at `at`.
+    pub fn caster<'a>(&self, sensors: SensorSet, motion: &mut Motion, world: &'a World, at: Time) -> RayCaster<'a> {
+        let on_body = members(sensors).filter_map(|index| self.sensors.get(index)).filter(|it| it.link.is_none());
+        let reach = on_body.clone().map(|it| it.mount.position.truncate().length() + it.model.limits()[1]);
+        let (count, reach) = (on_body.count(), reach.fold(0.0, f64::max));
+        world.caster_near(motion.id(), at, count, motion.pose(at).position, reach)
+    }
+
+    /// Reading of sensor `index` at the instant of `caster`, with the servo angles just before it; no return if the sensor
+    /// does not exist.
+    pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, caster: &RayCaster) -> Reading {
+        let at = caster.at();
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
         let event = errors.map_or(0, |_| EventStreams::index(at, CYCLE));
         let noise = errors.map_or(0.0, |(errors, [sigma, mean])| errors.device_noise(event, *sigma, *mean));
         let reading = if sensor.is_level_psd() {
             let (centre, forward) = motion.centre_and_forward(at);
-            sensor.read_level(world, motion.id(), (centre, forward, motion.lift(at)), at, noise)
+            sensor.read_level(caster, (centre, forward, motion.lift(at)), noise)
         } else {
             let world_from_robot = motion.pose(at);
             let (angles, lift) = self.angles_and_lift(sensor.link, servos, motion, at);
             let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
-            sensor.read(world, motion.id(), &posture, at, noise)
+            sensor.read(caster, &posture, noise)
         };
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
@@ -123,8 +132,9 @@ impl Ranges {
         let angles = self.joint_angles(servos, &stance.joints, at);
         let world_from_robot = motion.pose(at);
         let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift: stance.lift };
+        let caster = world.caster(motion.id(), at);
         let view = |sensor: &RangeSensor| {
-            let Reading { distance, signal } = sensor.read(world, motion.id(), &posture, at, 0.0);
+            let Reading { distance, signal } = sensor.read(&caster, &posture, 0.0);
             let world_from_sensor = sensor.world_from_sensor(&posture);
             SensorView {
                 world_from_sensor,

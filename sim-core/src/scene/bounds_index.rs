@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::Bounds;
 use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_margin};
+use super::nearby::{Nearby, Rectangle};
 
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
@@ -19,13 +20,24 @@ pub struct BoundsIndex<K> {
     grid: Option<Grid>,
     /// Margin by which bodies are enlarged on insertion into cells; larger than all rounding of rays and cells.
     margin: f64,
-    /// Indices into `bodies`.
+    /// Indices into `bodies` of the bodies that overlap each cell.
     cells: Cells<u32>,
+    /// Bodies with their middle in each cell, with their rectangles relative to the grid's lower left corner.
+    middles: Cells<(K, Rectangle)>,
+    /// Half of the size of the largest rectangle on each axis, m.
+    max_half: DVec2,
 }
 
 impl<K> Default for BoundsIndex<K> {
     fn default() -> Self {
-        Self { bodies: Vec::new(), grid: None, margin: 0.0, cells: Cells::default() }
+        Self {
+            bodies: Vec::new(),
+            grid: None,
+            margin: 0.0,
+            cells: Cells::default(),
+            middles: Cells::default(),
+            max_half: DVec2::ZERO,
+        }
     }
 }
 
@@ -60,6 +72,13 @@ impl<K: Copy + Ord> BoundsIndex<K> {
                     visit(grid.index(column, row));
                 }
             }
+        });
+        self.max_half = all_bodies.iter().fold(DVec2::ZERO, |half, (_, it)| half.max(0.5 * (it.max - it.min)));
+        let origin = grid.bounds().min;
+        let rectangles = all_bodies.iter().map(|(key, bounds)| (*key, Rectangle::new(bounds, origin)));
+        self.middles.fill(grid.len(), rectangles, |(_, rectangle), visit| {
+            let middle = rectangle.middle.as_dvec2() + origin;
+            visit(grid.index(grid.column(middle.x), grid.row(middle.y)));
         });
     }
 
@@ -115,6 +134,24 @@ impl<K: Copy + Ord> BoundsIndex<K> {
                 }
             }
         }
+    }
+
+    /// Adds the bodies that a ray in the square of `nearby` may meet. Returns false if these are too many.
+    pub fn add_to(&self, nearby: &mut Nearby<K>) -> bool {
+        let Some(grid) = &self.grid else { return true };
+        let (square, margin) = (nearby.square(), 2.0 * self.margin);
+        let is_near = |corner| 2.0 * rounding_error(corner, grid.bounds()) < self.margin;
+        if !is_near(square.min) || !is_near(square.max) {
+            return false;
+        }
+        let slack = nearby.set_slack(grid.bounds(), margin);
+        let reach = self.max_half + DVec2::splat(slack);
+        let (columns, rows) = grid.span(&Bounds { min: square.min - reach, max: square.max + reach });
+        let mut add = nearby.adder(grid.bounds().min);
+        rows.into_iter().all(|row| {
+            let [first, last] = [columns.start(), columns.end()].map(|column| grid.index(*column, row));
+            self.middles.entries_between(first, last).iter().all(|(key, rectangle)| add(*key, rectangle))
+        })
     }
 
     /// Visits each body whose rectangle overlaps `bounds` once, in ascending order of the keys.

@@ -2,10 +2,8 @@ use glam::DVec2;
 
 use super::{Echo, Sonar, incidence};
 use crate::{
-    RobotId,
     pose::{Link, Pose, Pose3, link_pose},
-    time::Time,
-    world::{Ray, World},
+    world::{Ray, RayCaster},
 };
 
 /// Measuring principle of a range sensor.
@@ -63,22 +61,22 @@ pub struct Reading {
 }
 
 impl RangeModel {
-    /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
-    /// et al.; N = 0 gives the exact reading.
+    /// Reading of a sensor at `world_from_sensor` of the robot of `caster`, at its instant, with the `noise` N of France et
+    /// al.; N = 0 gives the exact reading.
     ///
     /// The sensor does not detect its own robot. N scales the distance, except for the reflectance sensor, where it
     /// scales the signal; for PSD and sonar this is our choice.
-    pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+    pub fn read(&self, caster: &RayCaster, world_from_sensor: &Pose3, noise: f64) -> Reading {
         let hit = |range: f64| {
             let direction = world_from_sensor.forward();
-            let hit = world.cast(observer, &Ray::new(world_from_sensor.position, direction, range), at)?;
+            let hit = caster.cast(&Ray::new(world_from_sensor.position, direction, range))?;
             Some((hit.distance, incidence(direction, hit.face?.normal)))
         };
         match self {
             Self::Psd { range } => Reading::of_distance(hit(*range).map(|(distance, _)| distance), noise),
             Self::Laser(echo) | Self::Ultrasonic(echo) => echo.time_of_flight(hit(echo.max), noise),
             Self::Reflectance(echo) => echo.reflectance(hit(echo.max), noise),
-            Self::Sonar(sonar) => sonar.read(world, observer, world_from_sensor, at, noise),
+            Self::Sonar(sonar) => sonar.read(caster.world(), caster.robot(), world_from_sensor, caster.at(), noise),
         }
     }
 
@@ -129,36 +127,33 @@ impl RangeSensor {
         matches!(self.model, RangeModel::Psd { .. }) && self.link.is_none() && self.mount.is_level()
     }
 
-    /// Reading of a level PSD on the body of the robot `observer` with this centre, unit vector of the heading, and height.
+    /// Reading of a level PSD on the body of a robot with this centre, unit vector of the heading, and height.
     pub(crate) fn read_level(
         &self,
-        world: &World,
-        observer: RobotId,
+        caster: &RayCaster,
         (centre, forward, lift): (DVec2, DVec2, f64),
-        at: Time,
         noise: f64,
     ) -> Reading {
         let origin = centre + forward.rotate(self.mount.position.truncate());
         let direction = forward.rotate(self.mount.forward().truncate());
         let [_, range] = self.model.limits();
         let ray = Ray::flat(origin, direction, range).at_height(self.mount.position.z + lift);
-        Reading::of_distance(world.cast(observer, &ray, at).map(|hit| hit.distance), noise)
+        Reading::of_distance(caster.cast(&ray).map(|hit| hit.distance), noise)
     }
 
-    /// Reading of the sensor of the robot `observer` in this posture at the instant `at`, with the `noise` N: see
-    /// [`RangeModel::read`].
+    /// Reading of the sensor of the robot of `caster` in this posture, with the `noise` N: see [`RangeModel::read`].
     ///
     /// A level PSD on the body measures in the plane, like a [`Beam`](super::Beam). Walls and bodies are infinitely
     /// high for this sensor, but meshes and floating objects have their true heights.
     ///
     /// # Panics
     /// Like [`link_pose`].
-    pub fn read(&self, world: &World, observer: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
+    pub fn read(&self, caster: &RayCaster, posture: &Posture, noise: f64) -> Reading {
         let &Posture { world_from_robot: Pose { position, heading }, lift, .. } = posture;
         if self.is_level_psd() {
-            return self.read_level(world, observer, (position, heading.direction(), lift), at, noise);
+            return self.read_level(caster, (position, heading.direction(), lift), noise);
         }
-        self.model.read(world, observer, &self.world_from_sensor(posture), at, noise)
+        self.model.read(caster, &self.world_from_sensor(posture), noise)
     }
 }
 

@@ -114,10 +114,11 @@ impl Scan {
     /// [`Ray::tilted`] constructs the rays (our choice). They do not hit the robot itself. The caller adds noise.
     pub fn distances(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
         let (origin, ahead) = self.mount.ray(world_from_robot);
+        let caster = world.caster_near(observer, at, self.len(), origin, self.range);
         let origin = origin.extend(self.height);
         let measure = |ray: &DVec2| {
             let ray = Ray::tilted(origin, ahead.rotate(*ray), &self.tilt, self.range);
-            world.cast(observer, &ray, at).map(|hit| hit.distance)
+            caster.cast(&ray).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }
@@ -133,10 +134,12 @@ impl Scan {
         world_from_sensor: &Pose3,
         at: Time,
     ) -> Vec<Option<f64>> {
+        let origin = world_from_sensor.position.truncate();
+        let caster = world.caster_near(observer, at, self.len(), origin, self.range);
         let measure = |ray: &DVec2| {
             let direction = world_from_sensor.rotation * self.tilt.direction(*ray);
             let ray = Ray::new(world_from_sensor.position, direction, self.range);
-            world.cast(observer, &ray, at).map(|hit| hit.distance)
+            caster.cast(&ray).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }

@@ -8,7 +8,7 @@ use crate::{
     pose::Pose3,
     scene::Surface,
     time::Time,
-    world::{HitSurface, Ray, RayHit, World},
+    world::{HitSurface, Ray, RayCaster, RayHit, World},
 };
 
 /// Maximum incidence angle at which a mirror's echo returns to the sensor, rad. The angle is far above rounding; at the
@@ -119,8 +119,10 @@ impl Sonar {
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
     pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+        let (count, origin) = (self.rays as usize, world_from_sensor.position.truncate());
+        let caster = world.caster_near(observer, at, count, origin, self.max);
         let mut search =
-            EchoSearch { sonar: self, world, observer, world_from_sensor, at, distance: self.max, energy: 0.0 };
+            EchoSearch { sonar: self, world, observer, caster, world_from_sensor, at, distance: self.max, energy: 0.0 };
         search.try_direction(world_from_sensor.forward(), 0.0);
         search.try_nearest_points();
         search.try_horizontal_fan();
@@ -153,6 +155,7 @@ struct EchoSearch<'a> {
     sonar: &'a Sonar,
     world: &'a World,
     observer: RobotId,
+    caster: RayCaster<'a>,
     world_from_sensor: &'a Pose3,
     at: Time,
     /// Distance of the nearest echo so far; initially the maximum distance.
@@ -168,8 +171,8 @@ impl EchoSearch<'_> {
         if range < self.sonar.min {
             return None;
         }
-        let RayHit { distance, face, .. } =
-            self.world.cast(self.observer, &Ray::new(self.world_from_sensor.position, direction, range), self.at)?;
+        let ray = Ray::new(self.world_from_sensor.position, direction, range);
+        let RayHit { distance, face, .. } = self.caster.cast(&ray)?;
         let face = face?;
         if distance < self.sonar.min || distance == self.distance && self.energy > 0.0 {
             return None;

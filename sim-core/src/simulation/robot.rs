@@ -9,7 +9,7 @@ use crate::RobotId;
 use crate::contact::Thing;
 use crate::device::Devices;
 use crate::device::compass;
-use crate::device::psd::Measured;
+use crate::device::psd::{Measure, Measured, members};
 use crate::device::range::Ranges;
 use crate::device::servo::Servos;
 use crate::device::switch::{self, SensorId, Switches};
@@ -23,7 +23,7 @@ use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
 use crate::unit;
-use crate::world::{Contact, LegContact, World};
+use crate::world::{Contact, LegContact, RayCaster, World};
 
 use super::Placement;
 
@@ -205,6 +205,7 @@ impl Robot {
     pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
         let spec = Arc::clone(&self.spec);
         let mut is_found = false;
+        self.devices.psds.forget_unread();
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
             is_found = true;
             self.devices.switches.set(sensor, is_on);
@@ -219,10 +220,12 @@ impl Robot {
     /// then on; otherwise makes them measure again.
     pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
         let spec = Arc::clone(&self.spec);
+        self.devices.psds.forget_unread();
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
             let SensorId::Range(index) = sensor else { continue };
             let Self { motion, devices: Devices { ranges, servos, switches, .. }, .. } = self;
-            let reading = is_stuck.then(|| measure_range((ranges, servos, switches), motion, world, index, at));
+            let reading = is_stuck
+                .then(|| measure_range((ranges, servos, switches), motion, &world.caster(motion.id(), at), index));
             switches.set_stuck(index, reading);
         }
     }
@@ -246,13 +249,13 @@ impl Robot {
     pub fn read_range(&mut self, world: &World, index: usize) -> Reading {
         let Self { now, motion, devices, .. } = self;
         let Devices { ranges, servos, switches, .. } = devices;
-        measure_range((ranges, servos, switches), motion, world, index, *now)
+        measure_range((ranges, servos, switches), motion, &world.caster(motion.id(), *now), index)
     }
 
     /// Latest sample that the driver of range sensor `index` has taken; `None` before the end of the first cycle.
     pub fn measured_range(&mut self, world: &World, index: usize) -> Option<Measured> {
         let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
-        psds.read(index, *now, |index, at| measure_range((ranges, servos, switches), motion, world, index, at))
+        psds.read(index, *now, measure_set((ranges, servos, switches), motion, world))
     }
 
     /// Latest sample of the compass, rad clockwise from north; `None` before the end of the first cycle.
@@ -271,7 +274,7 @@ impl Robot {
             return;
         }
         let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
-        psds.settle(*now, |index, at| measure_range((ranges, servos, switches), motion, world, index, at));
+        psds.settle(*now, measure_set((ranges, servos, switches), motion, world));
         if self.now >= self.devices.compass.due() {
             self.read_compass();
         }
@@ -433,19 +436,30 @@ impl Robot {
     }
 }
 
-/// Reading of range sensor `index` at `at`; a reading without a return if the sensor is switched off.
+/// Measures with a set of range sensors at an instant, for the driver of the PSD sensors.
+fn measure_set<'a>(
+    devices: (&'a Ranges, &'a Servos, &'a Switches),
+    motion: &'a mut Motion,
+    world: &'a World,
+) -> impl Measure + 'a {
+    move |sensors, at, store| {
+        let caster = devices.0.caster(sensors, motion, world, at);
+        members(sensors).for_each(|index| store(index, measure_range(devices, motion, &caster, index)));
+    }
+}
+
+/// Reading of range sensor `index` at the instant of `caster`; a reading without a return if the sensor is switched off.
 fn measure_range(
     (ranges, servos, switches): (&Ranges, &Servos, &Switches),
     motion: &mut Motion,
-    world: &World,
+    caster: &RayCaster,
     index: usize,
-    at: Time,
 ) -> Reading {
     let is_on = switches.is_on(SensorId::Range(index));
     if let Some(stuck) = switches.stuck_reading(index).filter(|_| is_on) {
         return stuck;
     }
-    if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }
+    if is_on { ranges.read(index, servos, motion, caster) } else { ranges.no_return(index) }
 }
 
 /// Records a contact that began in the present slot in the journal of its robot.

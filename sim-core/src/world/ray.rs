@@ -9,7 +9,7 @@ use crate::{
     math,
     object::{Figure, SurfaceHit, cast_disc},
     pose::Pose,
-    scene::{Segment, Surface},
+    scene::{Nearby, Segment, Surface},
     time::Time,
 };
 
@@ -173,12 +173,23 @@ impl Ray {
     }
 }
 
+/// The rays of one robot at one instant.
+pub struct RayCaster<'a> {
+    world: &'a World,
+    robot: RobotId,
+    at: Time,
+    /// The moving and the resting robots near the origin of the rays, if they have been collected.
+    nearby: Option<Nearby<RobotId>>,
+}
+
+/// Number of rays from which collecting the nearby robots pays. Our choice.
+const MIN_RAYS: usize = 4;
+
 /// The state of a ray cast: the ray and its nearest hit so far.
 struct RayCast<'a> {
     world: &'a World,
     ray: &'a Ray,
-    caster: RobotId,
-    at: Time,
+    caster: &'a RayCaster<'a>,
     /// Distance up to which hits are searched: the range, or the distance of the nearest hit so far.
     range: f64,
     nearest: Option<RayHit>,
@@ -189,18 +200,58 @@ impl World {
     /// another robot, or a movable object, by their published motion. If several obstacles are at the same distance,
     /// the result is the first one in the order of [`Thing`]: our choice.
     pub fn cast(&self, caster: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
-        let mut cast = RayCast { world: self, ray, caster, at, range: ray.range, nearest: None };
+        self.caster(caster, at).cast(ray)
+    }
+
+    /// Casts single rays of `robot` at the instant `at`.
+    pub fn caster(&self, robot: RobotId, at: Time) -> RayCaster<'_> {
+        RayCaster { world: self, robot, at, nearby: None }
+    }
+
+    /// Casts `count` rays of `robot` at the instant `at`, which stay within `reach` metres of `centre` on each axis; any
+    /// other ray only takes longer.
+    pub fn caster_near(&self, robot: RobotId, at: Time, count: usize, centre: DVec2, reach: f64) -> RayCaster<'_> {
+        let mut caster = self.caster(robot, at);
+        if count >= MIN_RAYS && self.tracks.len() > 1 && reach.is_finite() {
+            let mut nearby = Nearby::new(centre, reach, robot);
+            let is_complete = self.moving.add_to(&mut nearby) && self.resting.add_to(&mut nearby);
+            caster.nearby = is_complete.then_some(nearby);
+        }
+        caster
+    }
+}
+
+impl<'a> RayCaster<'a> {
+    /// World of the rays.
+    pub fn world(&self) -> &'a World {
+        self.world
+    }
+
+    /// Robot whose body the rays do not hit.
+    pub fn robot(&self) -> RobotId {
+        self.robot
+    }
+
+    /// Instant of the rays.
+    pub fn at(&self) -> Time {
+        self.at
+    }
+
+    /// First hit of a ray, as [`World::cast`] returns it.
+    pub fn cast(&self, ray: &Ray) -> Option<RayHit> {
+        let Self { world, robot, .. } = *self;
+        let mut cast = RayCast { world, ray, caster: self, range: ray.range, nearest: None };
         cast.cast_floor();
         cast.cast_walls();
         if cast.hits_figures() {
             cast.cast_fixed();
         }
         // The ray does not hit the body of its own robot.
-        let has_other_robots = self.tracks.len() > usize::from(caster == RobotId::from_index(0));
+        let has_other_robots = world.tracks.len() > usize::from(robot == RobotId::from_index(0));
         if has_other_robots {
             cast.cast_robots();
         }
-        if let Some(objects) = &self.objects {
+        if let Some(objects) = &world.objects {
             cast.cast_objects(objects);
         }
         cast.nearest
@@ -302,15 +353,22 @@ impl RayCast<'_> {
             _ = self.cast_robot(RobotId::from_index(0));
             return;
         }
+        let range = self.trace_range();
+        if let Some(nearby) = &self.caster.nearby
+            && nearby.contains(origin, range)
+        {
+            nearby.along_ray(origin, trace, range, |robot| self.cast_robot(robot));
+            return;
+        }
         world.resting.along_ray(origin, trace, self.trace_range(), |robot| self.cast_robot(robot));
         world.moving.along_ray(origin, trace, self.trace_range(), |robot| self.cast_robot(robot));
     }
 
     /// Records the hit on a robot, and returns the new distance along the trace up to which hits are searched.
     fn cast_robot(&mut self, robot: RobotId) -> f64 {
-        let (world, ray, at) = (self.world, self.ray, self.at);
+        let (world, ray, at) = (self.world, self.ray, self.caster.at);
         let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
-        if robot == self.caster || !track.lifetime.contains(at) {
+        if robot == self.caster.robot || !track.lifetime.contains(at) {
             return self.trace_range();
         }
         if ray.unlimited != UnlimitedHeight::Nothing
@@ -326,7 +384,7 @@ impl RayCast<'_> {
     }
 
     fn cast_objects(&mut self, objects: &Objects) {
-        let (world, ray, at) = (self.world, self.ray, self.at);
+        let (world, ray, at) = (self.world, self.ray, self.caster.at);
         let origin = ray.origin.truncate();
         objects.along_ray(origin, ray.trace, self.trace_range(), at, |object| {
             let (thing, pose) = (Thing::Object(object), objects.pose(object, at));

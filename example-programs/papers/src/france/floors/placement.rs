@@ -128,7 +128,7 @@ pub const SEARCHED: Condition = Condition { name: "as searched", sigma: FRANCE_1
 
 /// Exact reading of a sensor, m; `None` without an echo.
 pub fn true_distance(world: &World, ray: &Pose3, echo: Echo) -> Option<f64> {
-    let reading = RangeModel::Laser(echo).read(world, RobotId(1), ray, Time::ZERO, 0.0);
+    let reading = RangeModel::Laser(echo).read(&world.caster(RobotId(1), Time::ZERO), ray, 0.0);
     reading.distance.filter(|distance| *distance < echo.max)
 }
 

@@ -1,0 +1,187 @@
+//! The few bodies near a point, laid out so that many rays from there find theirs quickly.
+
+use glam::{DVec2, Vec2, Vec4};
+
+use super::{Bounds, grid::is_ray};
+
+/// Number of bodies in a batch.
+const WIDTH: usize = 4;
+
+/// Maximum number of bodies near a point. With more bodies, walks through the cells of the index find those of a ray
+/// sooner.
+const CAPACITY: usize = 8 * WIDTH;
+
+/// The bodies whose rectangles overlap a square, for rays that stay in the square.
+///
+/// Rectangles are tested in `f32`, four at a time, with margins wider than all rounding. The caller tests the bodies
+/// themselves.
+#[derive(Clone, Debug)]
+pub struct Nearby<K> {
+    /// Middle of the square, the origin of the positions.
+    centre: DVec2,
+    /// Half of the square's side, m.
+    reach: f64,
+    /// Margin by which rectangles are enlarged, m.
+    slack: f32,
+    len: usize,
+    batches: [RectangleBatch; CAPACITY / WIDTH],
+    keys: [K; CAPACITY],
+}
+
+/// Middles and half sizes of four rectangles; unused lanes are NaN and compare as false.
+#[derive(Clone, Copy, Debug)]
+struct RectangleBatch {
+    x: Vec4,
+    y: Vec4,
+    half_x: Vec4,
+    half_y: Vec4,
+}
+
+const EMPTY: RectangleBatch = RectangleBatch { x: Vec4::NAN, y: Vec4::NAN, half_x: Vec4::NAN, half_y: Vec4::NAN };
+
+/// A rectangle in the frame of an index.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rectangle {
+    pub middle: Vec2,
+    pub half: Vec2,
+}
+
+impl Rectangle {
+    /// The rectangle `bounds`, relative to `origin`.
+    pub fn new(bounds: &Bounds, origin: DVec2) -> Self {
+        let middle = 0.5 * (bounds.min + bounds.max) - origin;
+        Self { middle: middle.as_vec2(), half: (0.5 * (bounds.max - bounds.min)).as_vec2() }
+    }
+}
+
+impl<K: Copy> Nearby<K> {
+    /// An empty list for rays that stay within `reach` metres of `centre` on each axis. `placeholder` is any key.
+    pub fn new(centre: DVec2, reach: f64, placeholder: K) -> Self {
+        Self { centre, reach, slack: 0.0, len: 0, batches: [EMPTY; CAPACITY / WIDTH], keys: [placeholder; CAPACITY] }
+    }
+
+    /// The square.
+    pub(super) fn square(&self) -> Bounds {
+        let half = DVec2::splat(self.reach);
+        Bounds { min: self.centre - half, max: self.centre + half }
+    }
+
+    /// Chooses the margin by which rectangles are enlarged: `margin`, and the rounding of positions in an index over
+    /// `extent` to `f32`. Returns the margin, m.
+    pub(super) fn set_slack(&mut self, extent: &Bounds, margin: f64) -> f64 {
+        // Each of a few roundings is at most 2^-24 of the largest coordinate.
+        let size = (extent.max - extent.min).max_element() + 4.0 * self.reach;
+        self.slack = self.slack.max((2e-6 * size + margin) as f32);
+        f64::from(self.slack)
+    }
+
+    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the square. It returns false if
+    /// there are too many.
+    pub(super) fn adder(&mut self, origin: DVec2) -> impl FnMut(K, &Rectangle) -> bool {
+        let shift = (origin - self.centre).as_vec2();
+        let limit = Vec2::splat(self.reach as f32 + self.slack);
+        move |key, rectangle| {
+            let (middle, half) = (rectangle.middle + shift, rectangle.half);
+            let Some(batch) = self.batches.get_mut(self.len / WIDTH) else { return false };
+            let lane = self.len % WIDTH;
+            (batch.x[lane], batch.y[lane]) = (middle.x, middle.y);
+            (batch.half_x[lane], batch.half_y[lane]) = (half.x, half.y);
+            self.keys[self.len % CAPACITY] = key;
+            // A rectangle outside the square is overwritten by the next, or visited in vain: no branch can be predicted here.
+            self.len += usize::from(middle.abs().cmple(half + limit).all());
+            true
+        }
+    }
+
+    /// Returns true if the first `range` metres of a ray from `origin` stay in the square.
+    pub fn contains(&self, origin: DVec2, range: f64) -> bool {
+        ((origin - self.centre).abs() + DVec2::splat(range)).cmple(DVec2::splat(self.reach)).all()
+    }
+
+    /// Visits each body whose rectangle a ray in the square meets within `range` metres, in no particular order.
+    /// `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
+    ///
+    /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
+    /// [`Walls::cast`](super::Walls::cast)) visits nothing.
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K) -> f64) {
+        if !is_ray(origin, direction, range) {
+            return;
+        }
+        let from = (origin - self.centre).as_vec2();
+        let direction = direction.as_vec2();
+        let (x, y) = (Vec4::splat(direction.x), Vec4::splat(direction.y));
+        let (forward_x, forward_y) = (x.abs(), y.abs());
+        let (from_x, from_y, slack) = (Vec4::splat(from.x), Vec4::splat(from.y), Vec4::splat(self.slack));
+        let mut limit = Vec4::splat(range as f32);
+        for (batch, keys) in self.batches.iter().zip(self.keys.chunks_exact(WIDTH)).take(self.len.div_ceil(WIDTH)) {
+            let (offset_x, offset_y) = (batch.x - from_x, batch.y - from_y);
+            let aside = (x * offset_y - y * offset_x).abs();
+            let ahead = x * offset_x + y * offset_y;
+            let width = batch.half_x * forward_y + batch.half_y * forward_x + slack;
+            let depth = batch.half_x * forward_x + batch.half_y * forward_y + slack;
+            let is_hit = aside.cmple(width) & (ahead + depth).cmpge(Vec4::ZERO) & (ahead - depth).cmple(limit);
+            let mut hit_lanes = is_hit.bitmask();
+            while hit_lanes != 0 {
+                let lane = hit_lanes.trailing_zeros() as usize % WIDTH;
+                limit = Vec4::splat(visit(keys[lane]) as f32);
+                hit_lanes &= hit_lanes - 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::BoundsIndex;
+    use super::*;
+
+    #[test]
+    fn a_ray_from_the_square_misses_no_body_on_its_path() {
+        // Linear congruential generator with values from 0 to 1.
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut list_count, mut walk_count) = (0, 0);
+        for (count, size, place) in [(2, 0.3, 0.0), (30, 0.1, 1e6), (30, 20.0, 0.0), (300, 0.2, -1e3), (3000, 0.2, 0.0)]
+        {
+            let side = 10.0_f64.max((f64::from(count)).sqrt());
+            let discs: Vec<_> = (0..count)
+                .map(|id| (id, DVec2::new(place + side * unit(), place + side * unit()), size * unit()))
+                .collect();
+            let mut index = BoundsIndex::default();
+            index.rebuild(&discs.iter().map(|&(id, at, radius)| (id, Bounds::of_disc(at, radius))).collect::<Vec<_>>());
+            for _ in 0..200 {
+                let centre = DVec2::new(place + 1.2 * side * unit(), place + 1.2 * side * unit());
+                let mut nearby = Nearby::new(centre, 2.0, 0);
+                if !index.add_to(&mut nearby) {
+                    walk_count += 1;
+                    continue;
+                }
+                list_count += 1;
+                for _ in 0..20 {
+                    let origin = centre + DVec2::new(unit() - 0.5, unit() - 0.5);
+                    let (sin, cos) = crate::math::sin_cos(7.0 * unit());
+                    let (direction, range) = (DVec2::new(cos, sin), 1.5 * unit());
+                    assert!(nearby.contains(origin, range));
+                    let mut visited = Vec::new();
+                    nearby.along_ray(origin, direction, range, |id| {
+                        visited.push(id);
+                        range
+                    });
+                    for &(id, middle, radius) in &discs {
+                        let is_hit = Bounds::of_disc(middle, radius).clip(origin, direction, range).is_some();
+                        assert!(
+                            !is_hit || visited.contains(&id),
+                            "{id} from {origin} along {direction} up to {range} m"
+                        );
+                    }
+                    assert!(visited.len() <= 32);
+                }
+                nearby.along_ray(centre, DVec2::NAN, 1.0, |_| panic!("no ray"));
+            }
+        }
+        assert!(list_count > 300 && walk_count > 300, "{list_count} lists, {walk_count} walks");
+    }
+}
