@@ -9,7 +9,6 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::fiber;
 use super::program_status;
 use super::run::{Member, Run};
 use super::signal::FlowBlock;
@@ -63,11 +62,6 @@ impl Flow for RobotFlow {
 
     fn suspend(&self, wake: Time) -> Result<(), Stop> {
         self.run.suspend(self.id, wake)
-    }
-
-    #[inline]
-    fn run_effect(&self, body: &mut dyn FnMut()) {
-        fiber::on_worker_stack(body);
     }
 
     #[inline]

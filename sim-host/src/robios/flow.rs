@@ -43,9 +43,6 @@ pub trait Flow: Send + Sync + 'static {
     /// [`Stop`] if the program must end.
     fn suspend(&self, wake: Time) -> Result<(), Stop>;
 
-    /// Runs `body`, the effect of a call, which must not suspend the flow; possibly on another stack of the calling thread.
-    fn run_effect(&self, body: &mut dyn FnMut());
-
     /// Returns true once the program must end: calls then return [`Stop`].
     fn is_exiting(&self) -> bool;
 

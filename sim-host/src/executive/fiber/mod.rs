@@ -14,11 +14,9 @@ mod switch;
 
 pub use self::stack::mappings_per_stack;
 
-use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::collections::VecDeque;
 use std::io;
-use std::panic::{self, AssertUnwindSafe};
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
@@ -161,33 +159,6 @@ thread_local! {
     static WORKER: Cell<*const Worker> = const { Cell::new(ptr::null()) };
     /// The fiber that runs on this worker's thread.
     static CURRENT: Cell<*const Fiber> = const { Cell::new(ptr::null()) };
-}
-
-/// Runs `body`, which must not suspend its flow, on the worker's stack if the calling flow is a fiber. That stack is in the
-/// cache, while those of thousands of fibers are not; and `body` needs no room on the fiber's stack.
-pub fn on_worker_stack(body: &mut dyn FnMut()) {
-    /// A call of `body`, and the payload of its panic.
-    struct Call<'a> {
-        body: &'a mut dyn FnMut(),
-        panic: Option<Box<dyn Any + Send>>,
-    }
-    /// Runs the [`Call`] at `argument`.
-    unsafe extern "sysv64" fn run(argument: *mut ()) {
-        // SAFETY: the call below, to which no other code has access meanwhile.
-        let call = unsafe { &mut *argument.cast::<Call>() };
-        // The panic continues in the caller, so that nothing observes a state that it has left broken.
-        call.panic = panic::catch_unwind(AssertUnwindSafe(|| (call.body)())).err();
-    }
-    if CURRENT.get().is_null() {
-        return body();
-    }
-    let mut call = Call { body, panic: None };
-    // SAFETY: a fiber runs on the thread of its worker, which has stored its context: nothing uses the worker's stack
-    // below it until the fiber suspends itself, which `body` does not. The stack pointer is rounded down to a multiple of 16.
-    unsafe { switch::call_on(*(*WORKER.get()).sp.get() & !15, run, (&raw mut call).cast()) };
-    if let Some(panic) = call.panic {
-        panic::resume_unwind(panic);
-    }
 }
 
 impl FiberExecutor {
@@ -500,7 +471,7 @@ impl Fiber {
     /// Called on the thread of the fiber's worker, and not by the fiber.
     unsafe fn prefetch(&self) {
         /// Bytes of the stack below and above the stack pointer of the suspended fiber.
-        const EXTENT: [usize; 2] = [512, 2048];
+        const EXTENT: [usize; 2] = [4096, 2048];
         let this = ptr::from_ref(self);
         prefetch(this.cast()..this.wrapping_add(1).cast());
         // SAFETY: no code changes the context meanwhile, by this function's contract.

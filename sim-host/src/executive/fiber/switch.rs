@@ -36,25 +36,6 @@ unsafe extern "sysv64" fn land() {
     naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
 }
 
-/// Calls `function` with `argument` on the stack that ends at `sp`.
-///
-/// # Safety
-/// `sp` is a multiple of 16, and no code uses the stack below it. The function does not unwind, and is sound with this
-/// argument.
-#[unsafe(naked)]
-pub unsafe extern "sysv64" fn call_on(sp: usize, function: unsafe extern "sysv64" fn(*mut ()), argument: *mut ()) {
-    naked_asm!(
-        "push rbp",
-        "mov rbp, rsp",
-        "mov rsp, rdi",
-        "mov rdi, rdx",
-        "call rsi",
-        "mov rsp, rbp",
-        "pop rbp",
-        "ret",
-    )
-}
-
 /// Writes the context of a fiber that begins with `entry` to the fiber's stack, which ends at `top`, a multiple of 16. Returns the
 /// stack pointer of the context.
 ///
