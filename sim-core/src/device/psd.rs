@@ -4,6 +4,7 @@
 //! computed lazily: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
 //! library, position sensing devices.
 
+use std::iter::successors;
 use std::ops::Range;
 
 use super::cycle::Cycle;
@@ -182,7 +183,8 @@ impl<F: FnOnce(SensorSet, Time, &mut dyn FnMut(usize, Reading))> Measure for F {
 
 /// The sensors of a set, in order.
 pub(crate) fn members(sensors: SensorSet) -> impl Iterator<Item = usize> + Clone {
-    (0..SensorSet::BITS).filter(move |index| sensors >> index & 1 == 1).map(|index| index as usize)
+    let next = |rest: &SensorSet| (*rest != 0).then_some(*rest);
+    successors(next(&sensors), move |rest| next(&(rest & (rest - 1)))).map(|rest| rest.trailing_zeros() as usize)
 }
 
 #[cfg(test)]

@@ -949,7 +949,10 @@ impl Motion {
                 None => break,
             }
         }
-        let index = self.stages.iter().rposition(|stage| stage.piece.start <= at).unwrap_or(0);
+        let mut index = self.stages.len() - 1;
+        while index > 0 && self.stages[index].piece.start > at {
+            index -= 1;
+        }
         let stage = &mut self.stages[index];
         stage.explore(&self.vehicle, &self.walls, (at - stage.piece.start).seconds());
         index

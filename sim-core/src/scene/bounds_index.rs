@@ -136,7 +136,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Adds the bodies that a ray in the square of `nearby` may meet. Returns false if these are too many.
+    /// Adds the bodies that a ray in the circle of `nearby` may meet. Returns false if these are too many.
     pub fn add_to(&self, nearby: &mut Nearby<K>) -> bool {
         let Some(grid) = &self.grid else { return true };
         let (square, margin) = (nearby.square(), 2.0 * self.margin);

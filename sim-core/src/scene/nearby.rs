@@ -11,33 +11,26 @@ const WIDTH: usize = 4;
 /// sooner.
 const CAPACITY: usize = 8 * WIDTH;
 
-/// The bodies whose rectangles overlap a square, for rays that stay in the square.
+/// The bodies whose rectangles overlap a circle, for rays that stay in the circle.
 ///
 /// Rectangles are tested in `f32`, four at a time, with margins wider than all rounding. The caller tests the bodies
 /// themselves.
 #[derive(Clone, Debug)]
 pub struct Nearby<K> {
-    /// Middle of the square, the origin of the positions.
+    /// Middle of the circle, the origin of the positions.
     centre: DVec2,
-    /// Half of the square's side, m.
+    /// Radius of the circle, m.
     reach: f64,
     /// Margin by which rectangles are enlarged, m.
     slack: f32,
     len: usize,
-    batches: [RectangleBatch; CAPACITY / WIDTH],
+    /// Middles and half sizes of the rectangles; unused ones are NaN and compare as false.
+    x: [f32; CAPACITY],
+    y: [f32; CAPACITY],
+    half_x: [f32; CAPACITY],
+    half_y: [f32; CAPACITY],
     keys: [K; CAPACITY],
 }
-
-/// Middles and half sizes of four rectangles; unused lanes are NaN and compare as false.
-#[derive(Clone, Copy, Debug)]
-struct RectangleBatch {
-    x: Vec4,
-    y: Vec4,
-    half_x: Vec4,
-    half_y: Vec4,
-}
-
-const EMPTY: RectangleBatch = RectangleBatch { x: Vec4::NAN, y: Vec4::NAN, half_x: Vec4::NAN, half_y: Vec4::NAN };
 
 /// A rectangle in the frame of an index.
 #[derive(Clone, Copy, Debug)]
@@ -55,12 +48,13 @@ impl Rectangle {
 }
 
 impl<K: Copy> Nearby<K> {
-    /// An empty list for rays that stay within `reach` metres of `centre` on each axis. `placeholder` is any key.
+    /// An empty list for rays that stay within `reach` metres of `centre`. `placeholder` is any key.
     pub fn new(centre: DVec2, reach: f64, placeholder: K) -> Self {
-        Self { centre, reach, slack: 0.0, len: 0, batches: [EMPTY; CAPACITY / WIDTH], keys: [placeholder; CAPACITY] }
+        let [x, y, half_x, half_y] = [[f32::NAN; CAPACITY]; 4];
+        Self { centre, reach, slack: 0.0, len: 0, x, y, half_x, half_y, keys: [placeholder; CAPACITY] }
     }
 
-    /// The square.
+    /// The square around the circle.
     pub(super) fn square(&self) -> Bounds {
         let half = DVec2::splat(self.reach);
         Bounds { min: self.centre - half, max: self.centre + half }
@@ -75,30 +69,33 @@ impl<K: Copy> Nearby<K> {
         f64::from(self.slack)
     }
 
-    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the square. It returns false if
+    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. It returns false if
     /// there are too many.
     pub(super) fn adder(&mut self, origin: DVec2) -> impl FnMut(K, &Rectangle) -> bool {
         let shift = (origin - self.centre).as_vec2();
-        let limit = Vec2::splat(self.reach as f32 + self.slack);
+        let limit = self.reach as f32 + self.slack;
         move |key, rectangle| {
-            let (middle, half) = (rectangle.middle + shift, rectangle.half);
-            let Some(batch) = self.batches.get_mut(self.len / WIDTH) else { return false };
-            let lane = self.len % WIDTH;
-            (batch.x[lane], batch.y[lane]) = (middle.x, middle.y);
-            (batch.half_x[lane], batch.half_y[lane]) = (half.x, half.y);
-            self.keys[self.len % CAPACITY] = key;
-            // A rectangle outside the square is overwritten by the next, or visited in vain: no branch can be predicted here.
-            self.len += usize::from(middle.abs().cmple(half + limit).all());
+            let (middle, half, index) = (rectangle.middle + shift, rectangle.half, self.len);
+            if index >= CAPACITY {
+                return false;
+            }
+            (self.x[index], self.y[index]) = (middle.x, middle.y);
+            (self.half_x[index], self.half_y[index]) = (half.x, half.y);
+            self.keys[index] = key;
+            // A rectangle outside the circle is overwritten by the next one, or tested in vain: no branch could be predicted.
+            let distance = limit + half.x + half.y;
+            self.len += usize::from(middle.length_squared() <= distance * distance);
             true
         }
     }
 
-    /// Returns true if the first `range` metres of a ray from `origin` stay in the square.
+    /// Returns true if the first `range` metres of every ray from `origin` stay in the circle.
     pub fn contains(&self, origin: DVec2, range: f64) -> bool {
-        ((origin - self.centre).abs() + DVec2::splat(range)).cmple(DVec2::splat(self.reach)).all()
+        let distance = self.reach - range;
+        distance >= 0.0 && (origin - self.centre).length_squared() <= distance * distance
     }
 
-    /// Visits each body whose rectangle a ray in the square meets within `range` metres, in no particular order.
+    /// Visits each body whose rectangle a ray in the circle meets within `range` metres, in no particular order.
     /// `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
     ///
     /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
@@ -113,17 +110,19 @@ impl<K: Copy> Nearby<K> {
         let (forward_x, forward_y) = (x.abs(), y.abs());
         let (from_x, from_y, slack) = (Vec4::splat(from.x), Vec4::splat(from.y), Vec4::splat(self.slack));
         let mut limit = Vec4::splat(range as f32);
-        for (batch, keys) in self.batches.iter().zip(self.keys.chunks_exact(WIDTH)).take(self.len.div_ceil(WIDTH)) {
-            let (offset_x, offset_y) = (batch.x - from_x, batch.y - from_y);
+        for start in (0..self.len).step_by(WIDTH) {
+            let [batch_x, batch_y, half_x, half_y] =
+                [&self.x, &self.y, &self.half_x, &self.half_y].map(|all| Vec4::from_slice(&all[start..start + WIDTH]));
+            let (offset_x, offset_y) = (batch_x - from_x, batch_y - from_y);
             let aside = (x * offset_y - y * offset_x).abs();
             let ahead = x * offset_x + y * offset_y;
-            let width = batch.half_x * forward_y + batch.half_y * forward_x + slack;
-            let depth = batch.half_x * forward_x + batch.half_y * forward_y + slack;
+            let width = half_x * forward_y + half_y * forward_x + slack;
+            let depth = half_x * forward_x + half_y * forward_y + slack;
             let is_hit = aside.cmple(width) & (ahead + depth).cmpge(Vec4::ZERO) & (ahead - depth).cmple(limit);
             let mut hit_lanes = is_hit.bitmask();
             while hit_lanes != 0 {
                 let lane = hit_lanes.trailing_zeros() as usize % WIDTH;
-                limit = Vec4::splat(visit(keys[lane]) as f32);
+                limit = Vec4::splat(visit(self.keys[start + lane]) as f32);
                 hit_lanes &= hit_lanes - 1;
             }
         }
@@ -136,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_from_the_square_misses_no_body_on_its_path() {
+    fn a_ray_in_the_circle_misses_no_body_on_its_path() {
         // Linear congruential generator with values from 0 to 1.
         let mut state = 1_u64;
         let mut unit = || {
@@ -161,7 +160,7 @@ mod tests {
                 }
                 list_count += 1;
                 for _ in 0..20 {
-                    let origin = centre + DVec2::new(unit() - 0.5, unit() - 0.5);
+                    let origin = centre + 0.7 * DVec2::new(unit() - 0.5, unit() - 0.5);
                     let (sin, cos) = crate::math::sin_cos(7.0 * unit());
                     let (direction, range) = (DVec2::new(cos, sin), 1.5 * unit());
                     assert!(nearby.contains(origin, range));

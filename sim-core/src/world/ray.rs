@@ -208,12 +208,13 @@ impl World {
         RayCaster { world: self, robot, at, nearby: None }
     }
 
-    /// Casts `count` rays of `robot` at the instant `at`, which stay within `reach` metres of `centre` on each axis; any
+    /// Casts `count` rays of `robot` at the instant `at`, which stay within `reach` metres of `centre`; any
     /// other ray only takes longer.
     pub fn caster_near(&self, robot: RobotId, at: Time, count: usize, centre: DVec2, reach: f64) -> RayCaster<'_> {
         let mut caster = self.caster(robot, at);
         if count >= MIN_RAYS && self.tracks.len() > 1 && reach.is_finite() {
-            let mut nearby = Nearby::new(centre, reach, robot);
+            // So that rounding excludes no ray that just stays within `reach`.
+            let mut nearby = Nearby::new(centre, reach * (1.0 + 1e-6), robot);
             let is_complete = self.moving.add_to(&mut nearby) && self.resting.add_to(&mut nearby);
             caster.nearby = is_complete.then_some(nearby);
         }
