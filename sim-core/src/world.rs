@@ -4,6 +4,7 @@
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
 //! resolves the contacts between bodies, publishes the changed motions and advances to the next slot.
 
+mod discs;
 mod lifetime;
 mod near;
 mod objects;
@@ -29,6 +30,7 @@ use crate::{
     scene::{Bounds, BoundsIndex, Walls},
     time::Time,
 };
+use discs::{Disc, DiscCache};
 pub use lifetime::Lifetime;
 pub use objects::ObjectStep;
 use objects::Objects;
@@ -89,6 +91,7 @@ pub struct World {
     /// Buffer for the rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: TrueMotions,
+    discs: DiscCache,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
     /// Geometry that only three-dimensional rays and legs can touch.
@@ -138,6 +141,7 @@ impl World {
             removed_count: 0,
             bounds: Vec::new(),
             truth: TrueMotions::default(),
+            discs: DiscCache::default(),
             objects: None,
             indexed_space,
             quiescence: Quiescence::default(),
@@ -340,6 +344,12 @@ impl World {
         Body { robot, centre: track.centre(at), radius: track.radius() }
     }
 
+    /// Published disc of a robot at `at`; `None` if the robot is not present.
+    fn disc(&self, robot: RobotId, at: Time) -> Option<Disc> {
+        let track = &self.tracks[robot.index()];
+        track.lifetime.contains(at).then(|| Disc { centre: track.centre(at), radius: track.radius() })
+    }
+
     /// Published pose of a robot's centre at `at`, which is at most 100 ms before the present slot.
     ///
     /// For a robot's own exact pose see [`Motion::pose`].
@@ -443,6 +453,7 @@ impl World {
     /// Second part of the end of a slot: the publication of each active robot, in the order of ids.
     pub(crate) fn publications(&mut self) -> impl Iterator<Item = Publication<'_>> {
         let is_alone = self.has_single_robot();
+        self.discs.renew(self.tracks.len());
         let mut tracks = self.tracks.iter_mut().enumerate();
         self.truth.active_mut().iter_mut().map(move |slot_motion| {
             let index = slot_motion.robot.index();
@@ -580,6 +591,7 @@ impl World {
     /// published their motion.
     fn refresh_index_after(&mut self, published: Option<&TrueMotions>) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
+        self.discs.renew(self.tracks.len());
         let mut has_rest_changed = false;
         self.bounds.clear();
         self.are_resting.resize(self.tracks.len(), false);

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{World, objects::Objects};
+use super::{World, discs::Disc, objects::Objects};
 use crate::{
     RobotId,
     contact::Thing,
@@ -368,12 +368,13 @@ impl RayCast<'_> {
     /// Records the hit on a robot, and returns the new distance along the trace up to which hits are searched.
     fn cast_robot(&mut self, robot: RobotId) -> f64 {
         let (world, ray, at) = (self.world, self.ray, self.caster.at);
-        let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
-        if robot == self.caster.robot || !track.lifetime.contains(at) {
+        if robot == self.caster.robot {
             return self.trace_range();
         }
+        let (thing, disc) = (Thing::Robot(robot), world.discs.get(robot, at, || world.disc(robot, at)));
+        let Some(Disc { centre, radius }) = disc else { return self.trace_range() };
         if ray.unlimited != UnlimitedHeight::Nothing
-            && let Some(distance) = cast_disc(ray.origin.truncate(), ray.trace, track.centre(at), track.radius())
+            && let Some(distance) = cast_disc(ray.origin.truncate(), ray.trace, centre, radius)
         {
             self.record(ray.ray_distance(distance), thing, || None);
         }
