@@ -605,12 +605,12 @@ impl Motion {
         Some(plan)
     }
 
-    /// Address ranges of the heap memory that commands and queries access.
+    /// Address ranges of the heap memory that commands and queries access, with the place of the next stage.
     pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
         let (older, newer) = self.stages.as_slices();
         [older, newer].map(|stages| {
             let Range { start, end } = stages.as_ptr_range();
-            start.cast()..end.cast()
+            start.cast()..end.wrapping_add(1).cast()
         })
     }
 

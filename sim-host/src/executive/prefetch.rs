@@ -21,3 +21,10 @@ pub fn prefetch(addresses: Range<*const u8>) {
         line = line.wrapping_add(LINE);
     }
 }
+
+/// Prefetches the memory of a value, without reading it.
+#[inline]
+pub fn prefetch_value<T>(value: &T) {
+    let start = std::ptr::from_ref(value);
+    prefetch(start.cast()..start.wrapping_add(1).cast());
+}

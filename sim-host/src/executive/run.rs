@@ -102,10 +102,18 @@ impl Member {
         self.robot.lock()
     }
 
-    /// Prefetches the data that the robot's calls touch; does nothing if the robot is locked.
-    pub fn prefetch(&self) {
-        let this = ptr::from_ref(self);
-        prefetch(this.cast()..this.wrapping_add(1).cast());
+    /// Prefetches the fields that the robot's calls touch, without reading any.
+    pub fn prefetch_fields(&self) {
+        let robot: *const u8 = self.robot.data_ptr().cast_const().cast();
+        // The lock lies beside the robot.
+        prefetch(ptr::from_ref(&self.robot).cast()..robot);
+        for (offset, size) in Robot::HOT_FIELDS {
+            prefetch(robot.wrapping_add(offset)..robot.wrapping_add(offset + size));
+        }
+    }
+
+    /// Prefetches the heap memory that the robot's calls touch; does nothing if the robot is locked.
+    pub fn prefetch_heap(&self) {
         if let Some(robot) = self.robot.try_lock() {
             robot.hot_memory().for_each(prefetch);
         }

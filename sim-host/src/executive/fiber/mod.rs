@@ -30,7 +30,7 @@ use sim_core::RobotId;
 use self::stack::{Stack, Stacks};
 use super::fault::Broken;
 use super::notifier::Notifier;
-use super::prefetch::prefetch;
+use super::prefetch::{prefetch, prefetch_value};
 use super::process::Child;
 use super::program::RobotProgram;
 use super::run::Member;
@@ -314,7 +314,7 @@ impl Worker {
         }
     }
 
-    /// Takes the first fiber from the queue. Prefetches the data of the following fiber, unless the robots are so few
+    /// Takes the first fiber from the queue. Prefetches the data of the following fibers, unless the robots are so few
     /// that they fit in the caches.
     fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
         /// Number of robots that fit in the second-level cache: with a hundred, prefetching neither gains nor costs time
@@ -323,13 +323,22 @@ impl Worker {
         let mut queue = self.queue.lock();
         let first = queue.pop_front();
         self.queued.store(queue.len(), Ordering::SeqCst);
-        if self.residents.load(Ordering::Relaxed) > MAX_CACHED
-            && let Some((robot, fiber)) = queue.front()
-        {
-            // SAFETY: fibers of this queue run only on the calling thread.
-            unsafe {
-                robot.prefetch();
-                fiber.prefetch();
+        if self.residents.load(Ordering::Relaxed) > MAX_CACHED {
+            // Each step reads only what the step before has prefetched while another fiber ran.
+            if let Some((robot, fiber)) = queue.get(2) {
+                prefetch_value(&**robot);
+                prefetch_value(&**fiber);
+            }
+            if let Some((robot, fiber)) = queue.get(1) {
+                robot.members().for_each(|member| member.prefetch_fields());
+                // SAFETY: fibers of this queue run only on the calling thread.
+                unsafe {
+                    fiber.prefetch_stack();
+                    robot.prefetch_variables();
+                }
+            }
+            if let Some((robot, _)) = queue.front() {
+                robot.members().for_each(|member| member.prefetch_heap());
             }
         }
         first
@@ -422,14 +431,16 @@ impl RobotFibers {
         }
     }
 
-    /// Prefetches the data, other than the stack, that a fiber of the robot touches.
+    /// The robot, if its data can be prefetched.
+    fn members(&self) -> impl Iterator<Item = &Member> {
+        self.member.as_deref().into_iter()
+    }
+
+    /// Prefetches the program's variables.
     ///
     /// # Safety
     /// Called on the thread of the robot's worker.
-    unsafe fn prefetch(&self) {
-        if let Some(member) = &self.member {
-            member.prefetch();
-        }
+    unsafe fn prefetch_variables(&self) {
         if let Some(variables) = &self.variables {
             // SAFETY: by this function's contract.
             prefetch(unsafe { variables.saved() });
@@ -465,15 +476,13 @@ impl Fiber {
         }
     }
 
-    /// Prefetches the fiber and the part of its stack that RoBIOS calls use.
+    /// Prefetches the part of the stack that RoBIOS calls use.
     ///
     /// # Safety
     /// Called on the thread of the fiber's worker, and not by the fiber.
-    unsafe fn prefetch(&self) {
+    unsafe fn prefetch_stack(&self) {
         /// Bytes of the stack below and above the stack pointer of the suspended fiber.
         const EXTENT: [usize; 2] = [4096, 2048];
-        let this = ptr::from_ref(self);
-        prefetch(this.cast()..this.wrapping_add(1).cast());
         // SAFETY: no code changes the context meanwhile, by this function's contract.
         let sp = unsafe { (*self.context.get()).sp };
         let [low, high] = self.stack.bounds();
