@@ -145,7 +145,7 @@ mod tests {
         let (mut list_count, mut walk_count) = (0, 0);
         for (count, size, place) in [(2, 0.3, 0.0), (30, 0.1, 1e6), (30, 20.0, 0.0), (300, 0.2, -1e3), (3000, 0.2, 0.0)]
         {
-            let side = 10.0_f64.max((f64::from(count)).sqrt());
+            let side = 10.0_f64.max(f64::from(count / 10).sqrt());
             let discs: Vec<_> = (0..count)
                 .map(|id| (id, DVec2::new(place + side * unit(), place + side * unit()), size * unit()))
                 .collect();
@@ -181,6 +181,6 @@ mod tests {
                 nearby.along_ray(centre, DVec2::NAN, 1.0, |_| panic!("no ray"));
             }
         }
-        assert!(list_count > 300 && walk_count > 300, "{list_count} lists, {walk_count} walks");
+        assert!(list_count > 100 && walk_count > 100, "{list_count} lists, {walk_count} walks");
     }
 }
