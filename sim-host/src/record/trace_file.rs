@@ -109,7 +109,8 @@ impl TraceFile {
     fn hand_over(&mut self) -> Result<(), RecordError> {
         let Some(queue) = &self.queue else { return Ok(()) };
         let is_full = self.batch.len() >= FULL_BATCH;
-        let batch = Batch::new(mem::take(&mut self.batch));
+        let next = Vec::with_capacity(self.batch.len());
+        let batch = Batch::new(mem::replace(&mut self.batch, next));
         match if is_full { queue.send(batch).map_err(Into::into) } else { queue.try_send(batch) } {
             Ok(()) => Ok(()),
             Err(TrySendError::Full(mut batch)) => {
