@@ -295,7 +295,7 @@ mod tests {
         });
         assert_eq!(rows.len(), MAX_ROWS + 4);
         for (row, text) in rows.iter().enumerate() {
-            let list = ["[]", "[1.5]", "[2.5, -0.0, inf]", "null"][row % 4];
+            let list = ["[]", "[1.5]", "[2.5, -0E0, inf]", "null"][row % 4];
             let bytes = if row == MAX_ROWS { "[0, 255]" } else { "null" };
             assert_eq!(*text, format!("{{list: {list}, bytes: {bytes}, never: null, row: {row}}}"));
         }

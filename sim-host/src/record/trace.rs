@@ -258,6 +258,8 @@ fn write_json(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::sync::Arc;
+
     use parking_lot::Mutex;
     use sim_core::RobotId;
 
