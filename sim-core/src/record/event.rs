@@ -51,10 +51,12 @@ macro_rules! events {
             pub fn fields(self) -> &'static [&'static str] {
                 match self { $( Self::$name => &[$( stringify!($field), )*], )* }
             }
+        }
 
-            /// Types of the fields' cells, in the order of [`Self::fields`].
-            pub fn cell_types<'a>(self) -> &'static [CellType] {
-                match self { $( Self::$name => const { &[$( <$type as Tabular>::TYPE, )*] }, )* }
+        impl<'a> Event<'a> {
+            /// Types of the cells of events of a kind, in the order of [`Kind::fields`].
+            pub fn cell_types(kind: Kind) -> &'static [CellType] {
+                match kind { $( Kind::$name => const { &[$( <$type as Tabular>::TYPE, )*] }, )* }
             }
         }
 

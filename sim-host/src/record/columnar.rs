@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::reader::RowIter;
 use parquet::record::{Field, Row};
-use sim_core::record::{Cell, CellType, Digest, Kind, KindSet, Obstacle, Record, WORLD};
+use sim_core::record::{Cell, CellType, Digest, Event, Kind, KindSet, Obstacle, Record, WORLD};
 use sim_core::time::Time;
 
 use super::parquet::{TableWriter, Type, io_error};
@@ -48,7 +48,7 @@ impl Layout {
             })
         };
         let mut columns_of =
-            |kind: &Kind| kind.fields().iter().zip(kind.cell_types()).map(&mut column_of).collect::<Vec<_>>();
+            |kind: &Kind| kind.fields().iter().zip(Event::cell_types(*kind)).map(&mut column_of).collect::<Vec<_>>();
         let of_kinds = Kind::ALL.iter().map(&mut columns_of).collect();
         Self { columns, of_kinds }
     }
@@ -304,7 +304,7 @@ pub fn open_text(file: File) -> io::Result<Box<dyn BufRead>> {
 #[cfg(test)]
 mod tests {
     use sim_core::RobotId;
-    use sim_core::record::{Event, Journal, Recorder};
+    use sim_core::record::{Journal, Recorder};
 
     use super::*;
     use crate::record::read::read_text;
