@@ -7,7 +7,7 @@ use sim_core::record::{Action, Outcome};
 use sim_core::time::Time;
 use sim_host::executive::scheduler::Ended;
 use sim_host::launch::{Observers, Options, Scene};
-use sim_host::record::Trace;
+use sim_host::record::TraceFile;
 
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\ncamera 0 0 80 0 0 80 60\n\
                     wheel 54 3600 1100 90\n\
@@ -95,7 +95,7 @@ fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) ->
     assert!(scene.diagnostics().is_empty(), "{:?}", scene.diagnostics());
     let ready = scene.load().unwrap_or_else(|error| panic!("{error}"));
     let trace_file = folder.join("trace.jsonl");
-    let trace = Trace::create(&trace_file, &ready.trace_header()).expect("a trace");
+    let trace = TraceFile::create(&trace_file, &ready.trace_header()).expect("a trace");
     let running = ready.start(Observers { sinks: vec![Box::new(trace)], ..Observers::default() });
     let mut running = running.unwrap_or_else(|error| panic!("{error}"));
     let mut answers = Vec::new();

@@ -11,7 +11,7 @@ use sim_core::time::Time;
 use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::scheduler::{Ended, Progress};
 use sim_host::launch::{Observers, Options, Scene};
-use sim_host::record::Trace;
+use sim_host::record::TraceFile;
 
 const ROBI: &str = "diameter 200\nspeed 600\nturn 300\npsd PSD_FRONT -200 60 0 30 0\nwheel 54 3600 1100 90\n\
                     drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
@@ -64,7 +64,7 @@ fn run(folder: &Path, workers: usize, change: impl FnOnce(&mut SceneSpec)) -> En
     assert!(scene.diagnostics().is_empty(), "{:?}", scene.diagnostics());
     change(scene.spec_mut());
     let ready = scene.load().unwrap_or_else(|error| panic!("{error}"));
-    let trace = Trace::create(&folder.join("trace.jsonl"), &ready.trace_header()).expect("a trace");
+    let trace = TraceFile::create(&folder.join("trace.jsonl"), &ready.trace_header()).expect("a trace");
     let running = ready.start(Observers { sinks: vec![Box::new(trace)], ..Observers::default() });
     let mut running = running.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(running.scheduler.advance_to(Time::NEVER), Progress::Paused);

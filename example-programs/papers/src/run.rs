@@ -132,7 +132,8 @@ impl Job {
             }
         };
         let ready = launch::Scene::open(&scene, run.options.clone())?.load()?;
-        let file = sim_host::record::Trace::create(&folder.join(format!("{}.jsonl", run.name)), &ready.trace_header())?;
+        let file =
+            sim_host::record::TraceFile::create(&folder.join(format!("{}.jsonl", run.name)), &ready.trace_header())?;
         let trace = Arc::new(Mutex::new(Trace::default()));
         let sinks: Vec<Box<dyn Sink>> = vec![Box::new(file), Box::new(Arc::clone(&trace))];
         let mut running = ready.start(Observers { sinks, ..Observers::default() })?;

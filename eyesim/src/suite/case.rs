@@ -282,7 +282,7 @@ fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     let output = Arc::new(Mutex::new(Output::default()));
     let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&trails)), Box::new(Arc::clone(&output))];
     if let Some(part) = session.keep.temporary_path(&key) {
-        sinks.push(Box::new(record::Trace::create(&part, &ready.trace_header()).map_err(Failure::of)?));
+        sinks.push(Box::new(record::TraceFile::create(&part, &ready.trace_header()).map_err(Failure::of)?));
     }
     let observers = Observers { sinks, interrupt: session.interrupt.clone(), ..Observers::default() };
     let start_seconds = processor_seconds();

@@ -1,6 +1,7 @@
 //! Events of a run. One list generates the enum, the kinds and the JSON names; a test compares `docs/trace.md` with it.
 
 mod canonical;
+mod cell;
 mod field;
 mod line;
 mod set;
@@ -9,6 +10,8 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize};
 
 pub(super) use canonical::Canonical;
+use cell::Tabular;
+pub use cell::{Cell, CellType};
 pub use field::{ActionText, FloatList, Obstacle, Outcome};
 pub use line::{Record, WORLD};
 pub use set::KindSet;
@@ -50,6 +53,13 @@ macro_rules! events {
             }
         }
 
+        impl<'a> Event<'a> {
+            /// Types of the cells of events of a kind, in the order of [`Kind::fields`].
+            pub fn cell_types(kind: Kind) -> &'static [CellType] {
+                match kind { $( Kind::$name => const { &[$( <$type as Tabular>::TYPE, )*] }, )* }
+            }
+        }
+
         impl Canonical for Event<'_> {
             fn write(&self, bytes: &mut Vec<u8>) {
                 u32::from(self.kind() as u8).write(bytes);
@@ -63,6 +73,11 @@ macro_rules! events {
             /// Kind of this event.
             pub fn kind(&self) -> Kind {
                 match self { $( Self::$name { .. } => Kind::$name, )* }
+            }
+
+            /// Passes the cells of the fields to `visit`, in the order of [`Kind::fields`].
+            pub fn for_each_cell(&self, mut visit: impl FnMut(Cell<'_>)) {
+                match self { $( Self::$name { $( $field, )* } => { $( visit($field.cell()); )* } )* }
             }
 
             /// Writes the event's fields as entries of a map.

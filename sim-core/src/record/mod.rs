@@ -13,7 +13,7 @@ pub mod recorder;
 
 pub use action::Action;
 pub use digest::Digest;
-pub use event::{ActionText, Event, FloatList, Kind, KindSet, Obstacle, Outcome, Record, WORLD};
+pub use event::{ActionText, Cell, CellType, Event, FloatList, Kind, KindSet, Obstacle, Outcome, Record, WORLD};
 pub(crate) use journal::EndedJournal;
 pub use journal::Journal;
 pub use recorder::Recorder;

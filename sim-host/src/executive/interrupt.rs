@@ -8,6 +8,7 @@ use parking_lot::Mutex;
 
 use super::confine::exit_at_once;
 use super::signal::{self, Handlers, action, change_action, default_action};
+use crate::record::trace_file;
 
 /// Interrupts, permanently, the runs that have a clone of this handle.
 #[derive(Clone, Debug, Default)]
@@ -146,7 +147,21 @@ extern "C" fn on_last_resort(_: i32) {
         its record is not complete (--exec process keeps such a program apart)\n";
     // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
     unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
-    exit_at_once(1)
+    exit_after_writing(1)
+}
+
+/// Ends this process as soon as the traces on their way to their files are written, after one second at the latest: a reader of a pipe
+/// may have stopped. Async-signal-safe.
+fn exit_after_writing(code: i32) -> ! {
+    let interval = libc::timespec { tv_sec: 0, tv_nsec: 1_000_000 };
+    for _ in 0..1000 {
+        if trace_file::is_all_written() {
+            break;
+        }
+        // SAFETY: async-signal-safe, and the first pointer is valid.
+        unsafe { libc::nanosleep(&raw const interval, std::ptr::null_mut()) };
+    }
+    exit_at_once(code)
 }
 
 /// Ends this process with exit code 1 after `timeout`, in case a destructor of a program hangs while the process ends
@@ -174,7 +189,7 @@ extern "C" fn on_interrupt(signal: i32) {
     }
     if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) {
         // At the second Ctrl-C the user does not want to wait for files to be closed.
-        exit_at_once(130);
+        exit_after_writing(130);
     }
 }
 
@@ -192,7 +207,7 @@ extern "C" fn on_foreign_fault(signal: i32) {
     }
     // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
     unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
-    exit_at_once(1)
+    exit_after_writing(1)
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Compact storage of a run's events during the run, which can be converted to a trace.
 //!
-//! Events are stored in their canonical form in an unnamed temporary file. This takes a fraction of the time of
-//! writing JSON lines.
+//! Events are stored in their canonical form in an unnamed temporary file.
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -10,13 +9,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
-use serde::{Deserialize, Serialize};
-use sim_core::RobotId;
 use sim_core::time::Time;
 
 use super::sink::{RecordError, Sink};
+use super::stored::Stored;
 use super::trace::{Trace, TraceHeader};
-use sim_core::record::{Digest, Event, Kind, KindSet, Record};
+use sim_core::record::{Digest, Kind, KindSet, Record};
 
 /// Maximum number of bytes stored for one run.
 const MAX_BYTES: u64 = 128 << 20;
@@ -48,26 +46,6 @@ pub struct EventStore {
     failure: Option<EventStoreError>,
 }
 
-/// A stored record.
-#[derive(Serialize, Deserialize)]
-enum StoredRecord<'a> {
-    Event {
-        time: i64,
-        robot: u32,
-        sequence: Option<u64>,
-        #[serde(borrow)]
-        event: Event<'a>,
-    },
-    Slot {
-        end: i64,
-        digest: [u8; 32],
-    },
-    End {
-        end: i64,
-        digest: [u8; 32],
-    },
-}
-
 impl EventStore {
     /// Empty storage for a run whose trace begins with `header`.
     ///
@@ -97,16 +75,8 @@ impl EventStore {
         let lines = Arc::new(Mutex::new(Vec::new()));
         let mut trace = Trace::new(Box::new(Shared(Arc::clone(&lines))), Path::new("trace.jsonl"), &header)?;
         let mut rest = &bytes[..];
-        while !rest.is_empty() {
-            let (entry, remaining) = postcard::take_from_bytes(rest).map_err(io::Error::other)?;
-            rest = remaining;
-            match entry {
-                StoredRecord::Event { time, robot, sequence, event } => {
-                    trace.record(&Record { time: Time(time), robot: RobotId(robot), sequence, event })?;
-                }
-                StoredRecord::Slot { end, digest } => trace.end_slot(Time(end), Some(Digest(digest)))?,
-                StoredRecord::End { end, digest } => trace.finish(Time(end), Digest(digest))?,
-            }
+        while let Some(call) = Stored::take(&mut rest)? {
+            call.pass_to(&mut trace)?;
         }
         // Flushes the lines since the last slot's end.
         trace.end_slot(Time::ZERO, None)?;
@@ -114,14 +84,12 @@ impl EventStore {
         Ok(std::mem::take(&mut *lines.lock()))
     }
 
-    fn store(&mut self, entry: &StoredRecord<'_>) {
+    fn store(&mut self, call: &Stored<'_>) {
         if self.failure.is_some() {
             return;
         }
-        let batch = std::mem::take(&mut self.batch);
-        match postcard::to_extend(entry, batch) {
-            Ok(batch) => self.batch = batch,
-            Err(error) => self.failure = Some(io::Error::other(error).into()),
+        if let Err(error) = call.append_to(&mut self.batch) {
+            self.failure = Some(error.into());
         }
         if self.batch.len() >= BATCH {
             self.flush();
@@ -150,20 +118,19 @@ impl Sink for EventStore {
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
-        let Record { time, robot, sequence, event } = *record;
-        self.store(&StoredRecord::Event { time: time.0, robot: robot.0, sequence, event });
+        self.store(&Stored::record(record));
         Ok(())
     }
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
-        if let Some(Digest(digest)) = digest {
-            self.store(&StoredRecord::Slot { end: end.0, digest });
+        if digest.is_some() {
+            self.store(&Stored::slot(end, digest));
         }
         Ok(())
     }
 
-    fn finish(&mut self, end: Time, Digest(digest): Digest) -> Result<(), RecordError> {
-        self.store(&StoredRecord::End { end: end.0, digest });
+    fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
+        self.store(&Stored::end(end, digest));
         Ok(())
     }
 }

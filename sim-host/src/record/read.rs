@@ -117,7 +117,7 @@ struct Head {
 }
 
 impl TraceReader<Box<dyn BufRead>> {
-    /// Opens the trace `path`, which may be compressed.
+    /// Opens the trace `path`, which may be compressed or columnar.
     ///
     /// # Errors
     /// [`TraceError`] if it cannot be read or is not a trace.
@@ -127,7 +127,7 @@ impl TraceReader<Box<dyn BufRead>> {
     }
 }
 
-/// Reads the text of the trace `path`, which may be compressed.
+/// Reads the text of the trace `path`, which may be compressed or columnar.
 ///
 /// # Errors
 /// The file cannot be read, or its compression is damaged.
@@ -139,7 +139,14 @@ pub fn read_text(path: &Path) -> io::Result<Vec<u8>> {
 
 fn open_text(path: &Path) -> io::Result<Box<dyn BufRead>> {
     let mut file = BufReader::new(File::open(path)?);
-    let is_compressed = file.fill_buf()?.starts_with(&MAGIC);
+    let start = file.fill_buf()?;
+    if start.starts_with(b"PAR1") {
+        #[cfg(feature = "parquet")]
+        return super::columnar::open_text(file.into_inner());
+        #[cfg(not(feature = "parquet"))]
+        return Err(io::Error::new(io::ErrorKind::Unsupported, super::trace_file::PARQUET_ABSENT));
+    }
+    let is_compressed = start.starts_with(&MAGIC);
     Ok(if is_compressed { Box::new(BufReader::new(Frames::new(file))) } else { Box::new(file) })
 }
 

@@ -136,7 +136,10 @@ impl<'s> Sinks<'s> {
     pub fn finish_record(&mut self, recorder: &mut Recorder, time: Time) -> (Digest, Result<(), RecordError>) {
         let ended = self.take_slot(recorder, time);
         let digest = recorder.digest();
-        (digest, ended.and_then(|()| self.finish(time, digest)))
+        let completed = ended.and_then(|()| self.finish(time, digest));
+        // A sink that could not be completed writes what it has taken.
+        self.sinks.clear();
+        (digest, completed)
     }
 }
 

@@ -1,16 +1,14 @@
 //! The trace: one JSON object per line, streamed during the run. Its schema is `docs/trace.md`.
 //!
-//! At the end of each slot, its lines are written in one system call before the next slot begins, so that a crash or
-//! `kill -9` of the process loses no complete slot. There is no fsync: a power failure may lose the last seconds.
+//! At the end of each slot, its lines are written in one system call. There is no fsync: a power failure may lose the last seconds.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use sim_core::time::Time;
 
-use super::file::{ExpectedFile, RecordFile};
+use super::file::RecordFile;
 use super::report::Input;
 use super::sink::{RecordError, Sink};
 use super::zstd;
@@ -108,7 +106,7 @@ fn kinds_of(word: &str) -> Option<KindSet> {
 }
 
 /// Kinds of a trace with this `only` in its header.
-fn kinds_of_trace(only: &[String]) -> KindSet {
+pub(super) fn kinds_of_trace(only: &[String]) -> KindSet {
     let kinds = only.iter().filter_map(|word| kinds_of(word));
     let kinds = kinds.reduce(KindSet::union).map_or(KindSet::ALL, |kinds| kinds.union(KindSet::of(ALWAYS)));
     kinds.without(Kind::Call)
@@ -133,8 +131,6 @@ pub struct Trace {
     kinds: KindSet,
     /// Lines that are not compressed yet; `None` for a trace of plain text.
     uncompressed: Option<Vec<u8>>,
-    /// Expected contents, which are checked at the end, if the trace is a file.
-    expected_file: Option<Arc<ExpectedFile>>,
 }
 
 /// Lines of a trace that are not events.
@@ -157,17 +153,24 @@ enum ControlLine<'a> {
     },
 }
 
+impl<'a> ControlLine<'a> {
+    fn header(header: &'a TraceHeader) -> Self {
+        Self::Header { schema: TRACE_SCHEMA, eyesim_version: env!("CARGO_PKG_VERSION"), header }
+    }
+}
+
+/// The first line of a trace, without its line ending.
+#[cfg(feature = "parquet")]
+pub(super) fn header_line(header: &TraceHeader) -> io::Result<String> {
+    Ok(serde_json::to_string(&ControlLine::header(header))?)
+}
+
 impl Trace {
-    /// Creates the file `path`, or empties it, and writes the first line. If the name ends with `.zst`, the trace is compressed, and lines
-    /// are written as soon as they fill a frame of 1 MiB.
-    ///
-    /// # Errors
-    /// [`RecordError::Write`] if the file cannot be written.
-    pub fn create(path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
-        let file = RecordFile::create(path).map_err(|source| RecordError::write("trace", path, source))?;
-        let expected_file = Some(file.expected_file());
+    /// Trace in `file`, which is at `path`. If the name ends with `.zst`, the trace is compressed, and lines are written as soon as they
+    /// fill a frame of 1 MiB.
+    pub(super) fn of_file(file: RecordFile, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
         let is_compressed = path.extension().is_some_and(|extension| extension == "zst");
-        Ok(Self { expected_file, ..Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))? })
+        Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))
     }
 
     /// Trace that is written to `out`; `path` is its name in error messages.
@@ -190,13 +193,8 @@ impl Trace {
             has_new_lines: false,
             kinds: kinds_of_trace(&header.only),
             uncompressed,
-            expected_file: None,
         };
-        trace.write_line(&ControlLine::Header {
-            schema: TRACE_SCHEMA,
-            eyesim_version: env!("CARGO_PKG_VERSION"),
-            header,
-        })?;
+        trace.write_line(&ControlLine::header(header))?;
         trace.flush()?;
         Ok(trace)
     }
@@ -249,11 +247,7 @@ impl Sink for Trace {
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
         self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
         self.compress(1)?;
-        self.flush()?;
-        self.expected_file
-            .as_ref()
-            .map_or(Ok(()), |expected_file| expected_file.check())
-            .map_err(|source| self.error(source))
+        self.flush()
     }
 }
 
@@ -264,11 +258,13 @@ fn write_json(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::sync::Arc;
+
     use parking_lot::Mutex;
     use sim_core::RobotId;
 
     use super::*;
-    use crate::record::Sinks;
+    use crate::record::{Sinks, TraceFile};
     use sim_core::record::{ActionText, Event, FloatList, Journal, Obstacle, Outcome, Recorder};
 
     /// Shared memory, read by tests while the trace writes to it.
@@ -291,7 +287,7 @@ pub(super) mod tests {
         }
     }
 
-    fn header() -> TraceHeader {
+    pub(in crate::record) fn header() -> TraceHeader {
         let robot = |id, name: &str| TraceRobot { id, name: name.into(), program: "maze.c".into() };
         TraceHeader {
             seed: 42,
@@ -418,7 +414,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn slot_is_written_before_the_next_one_begins() {
+    fn slot_is_written_at_its_end() {
         let shared = Shared::default();
         let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
         assert_eq!(shared.text().lines().count(), 1);
@@ -490,7 +486,7 @@ pub(super) mod tests {
         let texts = ["a.jsonl", "a.jsonl.zst"].map(|name| {
             let path = folder.path().join(name);
             let mut recorder = Recorder::new(42, Time(50_000), KindSet::ALL);
-            let mut sinks = Sinks::one(Trace::create(&path, &header()).expect("a trace"));
+            let mut sinks = Sinks::one(TraceFile::create(&path, &header()).expect("a trace"));
             let mut journal = Journal::new(RobotId(1), false);
             for event in every_event() {
                 journal.record(Time(0), &event);

@@ -21,7 +21,7 @@ use sim_host::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, 
 use sim_host::record::log::{Filter, Pattern};
 use sim_host::record::report::Input;
 use sim_host::record::trace::TraceHeader;
-use sim_host::record::{Log, RecordError, Recorded, Report, Sink, Trace, Trails};
+use sim_host::record::{Log, RecordError, Recorded, Report, Sink, TraceFile, Trails};
 
 use super::{RunArgs, Speed};
 use crate::cli::diagnostic::{self, Colour, Format};
@@ -130,7 +130,7 @@ impl ConsoleRun {
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
         if let Some(path) = &args.trace {
             let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
-            sinks.push(Box::new(Trace::create(path, &TraceHeader { only, ..ready.trace_header() })?));
+            sinks.push(Box::new(TraceFile::create(path, &TraceHeader { only, ..ready.trace_header() })?));
         }
         #[cfg(feature = "window")]
         if let Some(path) = &args.record {
