@@ -12,7 +12,7 @@ use crate::param::{Return, ShownResult};
 ///
 /// The `robot` pointer that a program passes back in each call points to an implementor. It is shared, not exclusive:
 /// a timer callback makes calls while the interrupted call is still in progress.
-pub trait CallContext: Sized {
+pub trait CallContext {
     /// The robot that a call is for; `None` answers the call with [`Status::STOP`](crate::Status::STOP).
     ///
     /// A host that shares one image between robots uses the current robot of its thread instead; programs then pass
@@ -20,7 +20,10 @@ pub trait CallContext: Sized {
     ///
     /// # Safety
     /// `context` is the pointer that the host has passed to the program's `run`, and the robot outlives the call.
-    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self> {
+    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>
+    where
+        Self: Sized,
+    {
         // SAFETY: the host passed a pointer to `Self` (or null) to `run`, valid until `run` has returned.
         unsafe { context.cast::<Self>().as_ref() }
     }
@@ -128,22 +131,16 @@ pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static 
     if let [first, ..] = elements { Some(*first) } else { None }
 }
 
-/// Runs a method of the host and catches its panic, which must not cross the ABI.
+/// Runs `method` of the host and catches its panic, which must not cross the ABI. Without type parameters, so that it is
+/// compiled only once.
 #[inline]
-pub(crate) fn guarded<H: CallContext, R>(
-    host: &H,
-    name: &'static str,
-    method: impl FnOnce() -> Result<R, Stop>,
-) -> Result<R, Stop> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(method)).unwrap_or_else(|payload| {
-        host.panicked(name, payload);
-        Err(Stop)
-    })
+pub(crate) fn caught(method: &mut dyn FnMut()) -> std::thread::Result<()> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(method))
 }
 
 /// Logs a completed call.
 #[cold]
-pub(crate) fn log<H: CallContext, R: Copy + Return>(
+pub(crate) fn log<H: CallContext + ?Sized, R: Copy + Return>(
     host: &H,
     name: &'static str,
     arguments: &[&dyn Display],
@@ -278,9 +275,9 @@ macro_rules! function_table {
             /// # Errors
             /// [`Malformed`](crate::wire::Malformed) if the arguments do not fit the function's parameters; no call is made
             /// then.
-            pub fn serve<H: $Trait>(
+            pub fn serve(
                 self,
-                host: &H,
+                host: &dyn $Trait,
                 request: &mut $crate::wire::Request<'_>,
                 reply: &mut Vec<u8>,
             ) -> Result<$crate::abi::Status, $crate::wire::Malformed> {
@@ -342,16 +339,21 @@ macro_rules! function_table {
             use super::*;
             use $crate::param::{Param, ShownArgument};
             $($(
-                pub fn $name<H: $Trait>(
+                pub fn $name<H: $Trait + ?Sized>(
                     host: &H,
                     $($parameter: &mut <$kind as Param>::Storage,)*
                 ) -> Result<$result, $crate::abi::Stop> {
-                    let outcome = $crate::table::guarded(host, stringify!($name), || {
-                        if host.forbid($Call::TABLE, $Call::$name.index())? {
-                            return Ok($failure);
-                        }
-                        host.$name($(<$kind as Param>::view($parameter)),*)
+                    let mut outcome = Err($crate::abi::Stop);
+                    let caught = $crate::table::caught(&mut || {
+                        outcome = match host.forbid($Call::TABLE, $Call::$name.index()) {
+                            Ok(false) => host.$name($(<$kind as Param>::view($parameter)),*),
+                            Ok(true) => Ok($failure),
+                            Err(stop) => Err(stop),
+                        };
                     });
+                    if let Err(payload) = caught {
+                        host.panicked(stringify!($name), payload);
+                    }
                     if host.is_logging() {
                         $crate::table::log(host, stringify!($name), &[$(&ShownArgument::<$kind>($parameter)),*], outcome);
                     }
@@ -398,8 +400,8 @@ macro_rules! function_table {
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
         mod client {
             use super::*;
-            use $crate::param::{Param, Return};
-            use $crate::wire::{HostConnection, Reader};
+            use $crate::param::Param;
+            use $crate::wire::HostConnection;
             $($(
                 /// # Safety
                 /// `context` is the pointer passed to the program's `run`; every other pointer is null or valid as its
@@ -412,8 +414,30 @@ macro_rules! function_table {
                     // SAFETY: the caller vouches for `context`.
                     let Some(connection) = (unsafe { L::from_context(context) }) else { return $crate::abi::Status::STOP };
                     // SAFETY: the caller vouches for the pointers.
+                    unsafe { remote::$name(connection, $($parameter,)* result) }
+                }
+            )*)*
+        }
+
+        /// The calls through a connection to a host in another process; without type parameters, so that they are
+        /// compiled only once, in this crate.
+        #[allow(non_snake_case, reason = "the names of RoBIOS")]
+        #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
+        mod remote {
+            use super::*;
+            use $crate::param::{Param, Return};
+            use $crate::wire::{HostConnection, Reader};
+            $($(
+                /// # Safety
+                /// Every pointer is null or valid as its kind requires.
+                pub unsafe fn $name(
+                    connection: &dyn HostConnection,
+                    $($parameter: <$kind as Param>::Abi,)*
+                    result: *mut $result,
+                ) -> $crate::abi::Status {
+                    // SAFETY: the caller vouches for the pointers.
                     $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
-                    let reply = connection.exchange($Call::TABLE, $Call::$name as u32, |_request| {
+                    let reply = connection.exchange($Call::TABLE, $Call::$name as u32, &|_request| {
                         $(<$kind as Param>::write_request(&$parameter.1, _request);)*
                     });
                     let Ok(reply) = reply else { return $crate::abi::Status::STOP };
@@ -435,15 +459,15 @@ macro_rules! function_table {
             )*)*
         }
 
-        /// The functions between a request of another process and the trait.
+        /// The functions between a request of another process and the trait; like those of `remote` compiled only once.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         mod server {
             use super::*;
             use $crate::param::{Param, Return};
             use $crate::wire::{Malformed, Request};
             $($(
-                pub fn $name<H: $Trait>(
-                    host: &H,
+                pub fn $name(
+                    host: &dyn $Trait,
                     _request: &mut Request<'_>,
                     reply: &mut Vec<u8>,
                 ) -> Result<$crate::abi::Status, Malformed> {

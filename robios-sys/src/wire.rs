@@ -32,13 +32,15 @@ pub trait HostConnection {
     ///
     /// # Safety
     /// `context` is the pointer passed to the program's `run`, which has not returned.
-    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>;
+    unsafe fn from_context<'a>(context: *mut c_void) -> Option<&'a Self>
+    where
+        Self: Sized;
 
     /// Sends a call with its arguments and returns the bytes of the reply. The host may call back into the program meanwhile.
     ///
     /// # Errors
     /// [`Stop`] when the program must end.
-    fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop>;
+    fn exchange(&self, table: u32, function: u32, arguments: &dyn Fn(&mut Vec<u8>)) -> Result<Vec<u8>, Stop>;
 }
 
 /// A value transferred as its bytes in memory.

@@ -80,7 +80,7 @@ impl HostConnection for Robot {
         // SAFETY: the tests pass their robot.
         unsafe { context.cast::<Self>().as_ref() }
     }
-    fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
+    fn exchange(&self, table: u32, function: u32, arguments: &dyn Fn(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
         assert_eq!(table, 6);
         let (mut request, mut reply) = (Vec::new(), Vec::new());
         arguments(&mut request);

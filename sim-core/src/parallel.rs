@@ -1,16 +1,39 @@
 //! Loops with independent iterations, which a caller with several threads can run in parallel.
 
+use std::sync::Mutex;
+
 /// Number of items in a section of a loop.
 pub const SECTION: usize = 8;
 
-/// Runs loops, in parallel if it has several threads.
+/// Threads that run loops.
 pub trait Pool {
+    /// Returns true if a loop over this number of sections is to run on several threads.
+    fn is_parallel(&self, sections: usize) -> bool;
+
+    /// Calls `act` once for each number less than `sections`, in any order and in parallel. Returns when all calls have returned.
+    fn run(&self, sections: usize, act: &(dyn Fn(usize) + Sync));
+}
+
+// A pool is passed as `&dyn Pool`: the functions that use it are compiled once, in this crate.
+impl dyn Pool + '_ {
     /// Calls `act` once for each section of `items`, in any order and in parallel. A section has [`SECTION`] items; the last one may have
     /// fewer. Returns when all calls have returned.
-    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync);
+    pub fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
+        let count = items.len().div_ceil(SECTION);
+        if !self.is_parallel(count) {
+            return items.chunks_mut(SECTION).for_each(act);
+        }
+        // Each section is locked once, by the thread that runs it.
+        let sections: Vec<_> = items.chunks_mut(SECTION).map(Mutex::new).collect();
+        self.run(count, &|number| {
+            if let Ok(mut section) = sections[number].lock() {
+                act(&mut section);
+            }
+        });
+    }
 
     /// Calls `act` once for each of `items`, in any order and in parallel. Returns when all calls have returned.
-    fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
+    pub fn for_each<T: Send>(&self, items: &mut [T], act: impl Fn(&mut T) + Sync) {
         self.for_each_section(items, |section| section.iter_mut().for_each(&act));
     }
 }
@@ -20,8 +43,12 @@ pub trait Pool {
 pub struct Serial;
 
 impl Pool for Serial {
-    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
-        items.chunks_mut(SECTION).for_each(act);
+    fn is_parallel(&self, _: usize) -> bool {
+        false
+    }
+
+    fn run(&self, sections: usize, act: &(dyn Fn(usize) + Sync)) {
+        (0..sections).for_each(act);
     }
 }
 

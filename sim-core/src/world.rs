@@ -426,7 +426,7 @@ impl World {
     pub(crate) fn settle(
         &mut self,
         active: &mut [&mut Motion],
-        pool: &impl Pool,
+        pool: &dyn Pool,
         mut observe: impl FnMut(&mut Motion),
     ) -> bool {
         let end = self.slot_end();

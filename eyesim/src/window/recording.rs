@@ -142,7 +142,7 @@ impl RecordingBuilder {
 
     /// Continues the tracks of bodies that a user intervention places, adds or removes.
     fn intervene(&mut self, t_s: f64, action: &serde_json::Value) {
-        let Ok(action) = serde_json::from_value::<Action>(action.clone()) else { return };
+        let Ok(action) = Action::from_json(action) else { return };
         match action {
             Action::PlaceRobot { robot, x_m, y_m, phi_rad } => self.put_robot(robot, t_s, [x_m, y_m, phi_rad]),
             Action::PlaceObject { object, x_m, y_m, phi_rad } => self.put_object(object, t_s, [x_m, y_m, phi_rad]),

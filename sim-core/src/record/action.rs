@@ -130,6 +130,16 @@ pub enum Action {
     },
 }
 
+impl Action {
+    /// The action with this JSON form. (Serde's decoder is generic; this function is compiled once, in this crate.)
+    ///
+    /// # Errors
+    /// If the value is not an action.
+    pub fn from_json(value: &serde_json::Value) -> Result<Self, serde_json::Error> {
+        Self::deserialize(value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

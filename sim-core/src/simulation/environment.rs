@@ -175,7 +175,7 @@ impl Environment {
     /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids.
     /// Applies requested placements, moves the bodies to the end of the slot, resolves their contacts, delivers
     /// messages, and collects the journals. Work for a single robot runs on `pool`.
-    pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &impl Pool) -> SlotEnd {
+    pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &dyn Pool) -> SlotEnd {
         let at = self.world.slot_end();
         self.record_starts();
         for placement in std::mem::take(&mut self.placements) {

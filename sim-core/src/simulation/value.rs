@@ -100,9 +100,15 @@ impl Simulation {
         Ok(Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) })
     }
 
+    /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start of its present
+    /// slot. `roster` and `factory` are used to add more robots.
+    pub fn copy_of(environment: &Environment, robots: &[&Robot], roster: &Roster, factory: &RobotFactory) -> Self {
+        let robots = robots.iter().map(|robot| (*robot).clone()).collect();
+        Self::of(environment.clone(), robots, roster.clone(), factory.clone())
+    }
+
     /// Creates a simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot.
-    /// The robots may be copies of the robots of a run; `roster` and `factory` are used to add more robots.
-    pub fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
+    fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
         let now = environment.world.slot_start();
         robots.iter_mut().for_each(|robot| robot.now = now);
         let acted = robots.iter().map(|robot| robot.id).collect();

@@ -157,7 +157,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         truth: &'a mut TrueMotions,
         world: &'a World,
         active: &'a mut [&'m mut Motion],
-        pool: &impl Pool,
+        pool: &dyn Pool,
     ) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.slot_motions.resize_with(truth.slot_motions.len().max(active.len()), SlotMotion::default);
@@ -186,7 +186,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 
     /// Resolves all contacts in the slot.
-    pub fn run(&mut self, mut objects: Option<&mut Objects>, pool: &impl Pool) {
+    pub fn run(&mut self, mut objects: Option<&mut Objects>, pool: &dyn Pool) {
         let has_contacts =
             self.world.tracks.len() > 1 && self.truth.active().iter().any(|slot_motion| slot_motion.is_moving);
         if let Some(objects) = &mut objects {
@@ -369,7 +369,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 
     /// Queues the first contact of each pair of bodies.
-    fn queue_first_contacts(&mut self, pool: &impl Pool) {
+    fn queue_first_contacts(&mut self, pool: &dyn Pool) {
         let mut bounds = std::mem::take(&mut self.truth.bounds);
         bounds.clear();
         bounds.extend(self.truth.active().iter().map(|slot_motion| (slot_motion.robot, slot_motion.bounds)));

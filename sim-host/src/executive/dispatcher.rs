@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use parking_lot::{Mutex, MutexGuard};
 use sim_core::RobotId;
-use sim_core::parallel::{self, Pool as _};
+use sim_core::parallel::{self, Pool};
 use sim_core::simulation::{self, Environment, SlotEnd};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -579,7 +579,7 @@ impl Dispatcher {
 
     /// Ends the slot for all affected robots, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
-        let pool = WorkerPool(run.executor());
+        let pool: &dyn Pool = &WorkerPool(run.executor());
         self.requesting.sort_unstable();
         self.requesting.dedup();
         let affected = environment.affected_robots(&self.touched, &self.requesting, &mut Members(run));
@@ -592,7 +592,7 @@ impl Dispatcher {
         let SlotEnd { at, arrivals } = {
             let mut states: Vec<&mut simulation::Robot> = parallel::reuse(std::mem::take(&mut self.spare_states));
             states.extend(robots.iter_mut().filter_map(|affected| Some(&mut affected.robot.as_mut()?.state)));
-            let end = environment.end_slot(&mut states, &pool);
+            let end = environment.end_slot(&mut states, pool);
             self.spare_states = parallel::reuse(states);
             end
         };

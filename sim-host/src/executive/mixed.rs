@@ -94,7 +94,7 @@ impl Executor for MixedExecutor {
         self.fibers.helping_workers()
     }
 
-    fn run_loop(&self, job: &Job) {
+    fn run_loop(&self, job: &Job<'_>) {
         self.fibers.run_loop(job);
     }
 

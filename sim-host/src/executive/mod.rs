@@ -97,7 +97,7 @@ pub trait Executor: Send + Sync {
 
     /// Runs a loop of the scheduler step on the calling thread, and on idle workers. Returns when no thread uses the
     /// job any more.
-    fn run_loop(&self, job: &shared_loop::Job) {
+    fn run_loop(&self, job: &shared_loop::Job<'_>) {
         job.work();
     }
 

@@ -310,11 +310,10 @@ impl Scheduler {
         if !with_programs.is_empty() {
             return Err(SnapshotError::Programs(with_programs));
         }
-        let environment = run.environment.read().clone();
-        let ids = (0..run.robot_count()).map(RobotId::from_index);
-        let robots = ids.map(|id| run.robot(id).state.clone()).collect();
+        let robots: Vec<_> = (0..run.robot_count()).map(|index| run.robot(RobotId::from_index(index))).collect();
+        let robots: Vec<_> = robots.iter().map(|robot| &robot.state).collect();
         let spawner = run.spawner();
-        Ok(Simulation::of(environment, robots, spawner.roster().clone(), spawner.factory().clone()))
+        Ok(Simulation::copy_of(&run.environment.read(), &robots, spawner.roster(), spawner.factory()))
     }
 
     /// Ends the paused run at its position, as an interrupt by the user does.

@@ -1,29 +1,24 @@
 //! Parallel loops of the scheduler step: idle workers help the worker that runs the step.
 
 use std::ptr;
-use std::slice;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 
-use sim_core::parallel::{Pool, SECTION, Serial};
+use sim_core::parallel::Pool;
 
 use super::Executor;
 
 /// A loop whose iterations any thread may run.
-pub struct Job {
+pub struct Job<'a> {
     /// First iteration that no thread has taken.
     next: AtomicUsize,
     iterations: usize,
     /// Number of iterations that a thread takes at a time.
     chunk: usize,
-    /// Runs the iterations from the first number up to the second, exclusive, on `data`.
-    run: unsafe fn(*const (), usize, usize),
-    data: *const (),
+    /// Runs the iteration with this number.
+    act: &'a (dyn Fn(usize) + Sync),
 }
 
-// SAFETY: `run` may be called by any thread, see `WorkerPool::for_each`.
-unsafe impl Sync for Job {}
-
-impl Job {
+impl Job<'_> {
     /// Runs iterations until none is left.
     pub fn work(&self) {
         loop {
@@ -31,8 +26,7 @@ impl Job {
             if first >= self.iterations {
                 return;
             }
-            // SAFETY: the data live as long as the job, and no other thread takes these iterations.
-            unsafe { (self.run)(self.data, first, (first + self.chunk).min(self.iterations)) };
+            (first..self.iterations.min(first + self.chunk)).for_each(self.act);
         }
     }
 }
@@ -41,7 +35,7 @@ impl Job {
 #[derive(Default)]
 pub struct SharedLoop {
     /// The job of the loop; null for none.
-    job: AtomicPtr<Job>,
+    job: AtomicPtr<Job<'static>>,
     /// Number of loops so far.
     loops: AtomicUsize,
     /// Number of threads that may be using the job.
@@ -71,8 +65,8 @@ impl SharedLoop {
 
     /// Runs `job` on the calling thread and on the helping threads, which `wake_helpers` wakes. Only one thread may
     /// call it at a time.
-    pub fn run(&self, job: &Job, wake_helpers: impl FnOnce()) {
-        self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
+    pub fn run(&self, job: &Job<'_>, wake_helpers: impl FnOnce()) {
+        self.job.store(ptr::from_ref(job).cast_mut().cast(), Ordering::SeqCst);
         self.loops.fetch_add(1, Ordering::SeqCst);
         let _waiting = WaitForHelpers(self);
         wake_helpers();
@@ -122,43 +116,12 @@ const MIN_ITERATIONS: usize = 6;
 const MAX_CHUNK: usize = 4;
 
 impl Pool for WorkerPool<'_> {
-    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
-        struct Data<'d, T, F> {
-            items: *mut T,
-            len: usize,
-            act: &'d F,
-        }
-        /// # Safety
-        /// `data` is a [`Data`], and no other thread uses its sections from `first` up to `last`, exclusive.
-        unsafe fn run<T, F: Fn(&mut [T])>(data: *const (), first: usize, last: usize) {
-            // SAFETY: by this function's contract.
-            unsafe {
-                let data = &*data.cast::<Data<'_, T, F>>();
-                for start in (first..last).map(|section| section * SECTION) {
-                    let len = SECTION.min(data.len - start);
-                    (data.act)(slice::from_raw_parts_mut(data.items.add(start), len));
-                }
-            }
-        }
-        fn runner<T, F: Fn(&mut [T])>(_: &F) -> unsafe fn(*const (), usize, usize) {
-            run::<T, F>
-        }
-        let workers = self.0.helping_workers();
-        let iterations = items.len().div_ceil(SECTION);
-        if workers < 2 || iterations < MIN_ITERATIONS {
-            return Serial.for_each_section(items, act);
-        }
-        let data = Data { items: items.as_mut_ptr(), len: items.len(), act: &act };
-        let job = Job {
-            next: AtomicUsize::new(0),
-            iterations,
-            chunk: (iterations / (8 * workers)).clamp(1, MAX_CHUNK),
-            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the
-            // data live. The items are borrowed mutably here and may be sent to other threads, and each section
-            // belongs to one call. Threads may share `act`.
-            run: runner::<T, _>(&act),
-            data: ptr::from_ref(&data).cast(),
-        };
-        self.0.run_loop(&job);
+    fn is_parallel(&self, sections: usize) -> bool {
+        sections >= MIN_ITERATIONS && self.0.helping_workers() > 1
+    }
+
+    fn run(&self, sections: usize, act: &(dyn Fn(usize) + Sync)) {
+        let chunk = (sections / (8 * self.0.helping_workers())).clamp(1, MAX_CHUNK);
+        self.0.run_loop(&Job { next: AtomicUsize::new(0), iterations: sections, chunk, act });
     }
 }

@@ -301,7 +301,7 @@ impl Recorded {
 
     fn add_event(&mut self, event: &RecordedEvent) -> Result<(), String> {
         if event.kind == Kind::Intervention.name() {
-            let action = Action::deserialize(&event.fields["action"])
+            let action = Action::from_json(&event.fields["action"])
                 .map_err(|error| format!("`action` is nothing that a hand can do: {error}"))?;
             if self.interventions.last().is_some_and(|(last, _)| *last > event.at) {
                 return Err("it happened before the intervention above it".to_owned());

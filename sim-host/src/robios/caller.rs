@@ -62,10 +62,14 @@ impl<F: Flow> Caller<F> {
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
-    pub(crate) fn call<R>(&self, call: impl Into<Call>, act: impl FnOnce(&mut Robot, &World) -> R) -> Result<R, Stop> {
-        let (mut act, mut result) = (Some(act), None);
-        self.act(call.into(), &mut |robot, world| result = act.take().map(|act| act(robot, world)))?;
-        result.ok_or(Stop)
+    pub(crate) fn call<R: Copy>(
+        &self,
+        call: impl Into<Call>,
+        mut act: impl FnMut(&mut Robot, &World) -> R,
+    ) -> Result<R, Stop> {
+        let mut result = Err(Stop);
+        self.act(call.into(), &mut |robot, world| result = Ok(act(robot, world)))?;
+        result
     }
 
     /// Implements [`Caller::call`] without type parameters, so that it is compiled only once.

@@ -167,9 +167,9 @@ impl<F: Flow> Caller<F> {
     }
 
     /// `OSSemInit`
-    pub(super) fn make_semaphore(&self, semaphore: Option<&mut i32>, count: i32) -> Result<i32, Stop> {
+    pub(super) fn make_semaphore(&self, mut semaphore: Option<&mut i32>, count: i32) -> Result<i32, Stop> {
         let site = self.flow().call_site();
-        self.call(Call::OSSemInit, |robot, _| make_semaphore(robot, semaphore, count, site))
+        self.call(Call::OSSemInit, |robot, _| make_semaphore(robot, semaphore.as_deref_mut(), count, site.clone()))
     }
 
     /// `OSSemP`

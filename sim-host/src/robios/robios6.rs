@@ -97,7 +97,6 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn LCDGetPos(row: &mut Out<i32>, column: &mut Out<i32>) -> i32 =
             |robot, _| display::position(robot, row, column);
         fn LCDPutGraphic(image: Option<&Image>) -> i32 = |robot, _| display::put_grey(robot, image);
-        fn LCDPutColorGraphic(image: Option<&mut ColImage>) -> i32 = |robot, _| display::put_colour(robot, image);
         fn LCDPutImage(picture: Option<&BitImage>) -> i32 = |robot, _| display::put_picture(robot, picture);
         fn LCDMenu(s1: Text<'_>, s2: Text<'_>, s3: Text<'_>, s4: Text<'_>) -> i32 =
             |robot, _| display::set_menu(robot, [s1, s2, s3, s4]);
@@ -115,6 +114,9 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, ink: i32) -> i32 = |robot, _| {
             display::draw(robot, Call::LCDArea, ink, |lcd, ink| lcd.draw_area([x1, y1], [x2, y2], ink))
         };
+    }
+    fn LCDPutColorGraphic(&self, mut image: Option<&mut ColImage>) -> Result<i32, Stop> {
+        self.call(Call::LCDPutColorGraphic, |robot, _| display::put_colour(robot, image.as_deref_mut()))
     }
 
     // Keys.

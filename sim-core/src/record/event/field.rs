@@ -70,7 +70,7 @@ pub struct ActionText<'a>(pub &'a str);
 impl ActionText<'_> {
     /// Parses the action; `None` if the text is not an action.
     pub fn action(self) -> Option<Action> {
-        serde_json::from_str(self.0).ok()
+        Action::from_json(&serde_json::from_str(self.0).ok()?).ok()
     }
 }
 

@@ -651,7 +651,7 @@ impl Executor for FiberExecutor {
         self.workers.get().map_or(1, Vec::len)
     }
 
-    fn run_loop(&self, job: &Job) {
+    fn run_loop(&self, job: &Job<'_>) {
         let wake_workers = || {
             let workers = self.workers.get().into_iter().flatten();
             workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());

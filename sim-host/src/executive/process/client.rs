@@ -219,7 +219,7 @@ impl HostConnection for Connection {
         unsafe { CONNECTION.get().as_ref() }
     }
 
-    fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
+    fn exchange(&self, table: u32, function: u32, arguments: &dyn Fn(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
         let mut call = call_of(table, function);
         arguments(&mut call);
         let reply = self.converse(kind::CALL, &call);
