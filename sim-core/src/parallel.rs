@@ -23,13 +23,10 @@ impl dyn Pool + '_ {
         if !self.is_parallel(count) {
             return items.chunks_mut(SECTION).for_each(act);
         }
-        // Each section is locked once, by the thread that runs it.
-        let sections: Vec<_> = items.chunks_mut(SECTION).map(Mutex::new).collect();
-        self.run(count, &|number| {
-            if let Ok(mut section) = sections[number].lock() {
-                act(&mut section);
-            }
-        });
+        // The lock is held only to take the next section; this needs neither memory nor unsafe code.
+        let sections = Mutex::new(items.chunks_mut(SECTION));
+        let next = || sections.lock().ok()?.next();
+        self.run(count, &|_| next().into_iter().for_each(&act));
     }
 
     /// Calls `act` once for each of `items`, in any order and in parallel. Returns when all calls have returned.
