@@ -1,7 +1,7 @@
 //! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant and is
-//! computed lazily: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
+//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant, as known when
+//! the program first reads it, and is computed then: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
 //! library, position sensing devices.
 
 use std::iter::successors;
@@ -30,6 +30,9 @@ pub struct Psds {
     /// Sensors that were read in the cycle before, and will probably be read in the latest: the first read measures with
     /// all of them, because the rays of one instant share work.
     expected: SensorSet,
+    /// Revision of the robot's motion at the last measurement. A contact that is resolved at the end of a slot can change the
+    /// motion of that slot, so a value that was not read before is then computed anew. `None` after other changes.
+    revision: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -91,41 +94,41 @@ impl Psds {
         self.stamp
     }
 
-    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` computes the readings
-    /// of a set of sensors at an instant.
-    pub fn read(&mut self, index: usize, now: Time, measure: impl Measure) -> Option<Measured> {
+    /// The latest value of sensor `index` of a robot whose motion has this revision; `None` if the sensor has never completed
+    /// a cycle. `measure` computes the readings of a set of sensors at an instant.
+    pub fn read(&mut self, index: usize, now: Time, revision: u64, measure: impl Measure) -> Option<Measured> {
         self.advance(now);
-        let &Latest { measured_at, value } = self.readings.get(index)?;
-        let measured_at = measured_at?;
+        let measured_at = self.readings.get(index)?.measured_at?;
+        if self.is_missing(index, measured_at, revision) {
+            self.measure(self.expected | 1 << index, measured_at, revision, measure);
+        }
         self.read |= 1 << index;
-        let reading = match value {
-            Some(reading) => reading,
-            None => {
-                self.measure(self.expected | 1 << index, measured_at, measure);
-                self.readings[index].value?
-            }
-        };
+        let reading = self.readings[index].value?;
         Some(Measured { measured_at, reading })
     }
 
+    /// Returns true if the value of a sensor that measured at `measured_at` must be computed.
+    fn is_missing(&self, index: usize, measured_at: Time, revision: u64) -> bool {
+        let is_current = self.read >> index & 1 == 1 || self.revision == Some(revision);
+        self.readings
+            .get(index)
+            .is_some_and(|it| it.measured_at == Some(measured_at) && (it.value.is_none() || !is_current))
+    }
+
     /// Computes the missing values of those of `sensors` that measured at `measured_at`.
-    fn measure(&mut self, sensors: SensorSet, measured_at: Time, measure: impl Measure) {
-        let is_missing = |index: &usize| {
-            self.readings.get(*index).is_some_and(|it| it.measured_at == Some(measured_at) && it.value.is_none())
-        };
+    fn measure(&mut self, sensors: SensorSet, measured_at: Time, revision: u64, measure: impl Measure) {
+        let is_missing = |index: &usize| self.is_missing(*index, measured_at, revision);
         let missing = members(sensors).filter(is_missing).fold(0, |set, index| set | 1 << index);
+        self.revision = Some(revision);
         if missing != 0 {
             measure(missing, measured_at, &mut |index, reading| self.readings[index].value = Some(reading));
         }
     }
 
-    /// Drops the values that the program has not read yet: they are computed anew when it reads them.
+    /// Drops the values that the program has not read yet: they are computed anew when it reads them. Called if sensors or
+    /// their errors change.
     pub fn forget_unread(&mut self) {
-        for (index, latest) in self.readings.iter_mut().enumerate() {
-            if self.read >> index & 1 == 0 && latest.measured_at == self.stamp {
-                latest.value = None;
-            }
-        }
+        self.revision = None;
     }
 
     /// Addresses of the heap memory that [`Psds::read`] touches.
@@ -142,15 +145,15 @@ impl Psds {
     }
 
     /// Computes the values of a measurement that ended by `now`.
-    pub fn settle(&mut self, now: Time, measure: impl Measure) {
+    pub fn settle(&mut self, now: Time, revision: u64, measure: impl Measure) {
         if now < self.due() {
             return;
         }
         let Some(Measurement { sensors, .. }) = self.measurement else { return };
         self.advance(now);
         if let Some(measured_at) = self.stamp {
+            self.measure(sensors, measured_at, revision, measure);
             self.read |= sensors;
-            self.measure(sensors, measured_at, measure);
         }
     }
 
@@ -210,14 +213,14 @@ mod tests {
     fn a_value_is_measured_at_the_end_of_its_cycle() {
         let mut psds = Psds::default();
         assert!(psds.start(0b101, true, Time(1_000)));
-        assert_eq!(psds.read(0, Time(60_999), measure), None);
+        assert_eq!(psds.read(0, Time(60_999), 5, measure), None);
         assert_eq!(psds.stamp(Time(60_999)), None);
-        let first = psds.read(2, Time(61_000), measure);
+        let first = psds.read(2, Time(61_000), 5, measure);
         assert_eq!(first, measured(Time(61_000), 2.061));
-        let later = psds.read(2, Time(120_999), unexpected);
+        let later = psds.read(2, Time(120_999), 5, unexpected);
         assert_eq!(later, first);
-        assert_eq!(psds.read(2, Time(121_000), measure).unwrap().measured_at, Time(121_000));
-        assert_eq!(psds.read(1, Time(121_000), measure), None, "not started");
+        assert_eq!(psds.read(2, Time(121_000), 5, measure).unwrap().measured_at, Time(121_000));
+        assert_eq!(psds.read(1, Time(121_000), 5, measure), None, "not started");
         assert_eq!(psds.due(), Time::NEVER);
     }
 
@@ -225,9 +228,10 @@ mod tests {
     fn sensors_that_were_read_in_the_last_cycle_measure_together() {
         let mut psds = Psds::default();
         psds.start(0b111, true, Time(0));
+        let revision = 5;
         let sets = |psds: &mut Psds, index, now| {
             let mut set = 0;
-            let found = psds.read(index, now, |sensors, at, store| {
+            let found = psds.read(index, now, revision, |sensors, at, store| {
                 set = sensors;
                 measure(sensors, at, store);
             });
@@ -236,11 +240,22 @@ mod tests {
         assert_eq!(sets(&mut psds, 0, Time(60_000)), (0b001, measured(Time(60_000), 0.06)));
         assert_eq!(sets(&mut psds, 2, Time(60_000)), (0b100, measured(Time(60_000), 2.06)));
         assert_eq!(sets(&mut psds, 2, Time(120_000)), (0b101, measured(Time(120_000), 2.12)));
-        assert_eq!(psds.read(0, Time(120_001), unexpected), measured(Time(120_000), 0.12));
+        assert_eq!(psds.read(0, Time(120_001), 5, unexpected), measured(Time(120_000), 0.12));
         assert_eq!(sets(&mut psds, 2, Time(180_000)), (0b101, measured(Time(180_000), 2.18)));
         psds.forget_unread();
-        assert_eq!(psds.read(2, Time(180_001), unexpected), measured(Time(180_000), 2.18));
+        assert_eq!(psds.read(2, Time(180_001), 5, unexpected), measured(Time(180_000), 2.18));
         assert_eq!(sets(&mut psds, 0, Time(180_001)), (0b001, measured(Time(180_000), 0.18)));
+        assert_eq!(sets(&mut psds, 2, Time(240_000)), (0b101, measured(Time(240_000), 2.24)));
+        assert_eq!(
+            psds.read(2, Time(250_000), 6, unexpected),
+            measured(Time(240_000), 2.24),
+            "a value that was read stays"
+        );
+        let moved = |sensors: SensorSet, _: Time, store: &mut dyn FnMut(usize, Reading)| {
+            assert_eq!(sensors, 0b001, "only the value that was not read is computed with the changed motion");
+            store(0, Reading { distance: None, signal: 0.0 });
+        };
+        assert_eq!(psds.read(0, Time(250_000), 6, moved).unwrap().reading.distance, None);
     }
 
     #[test]
@@ -249,13 +264,13 @@ mod tests {
         psds.start(1, false, Time(0));
         assert_eq!(psds.due(), Time(60_000));
         assert!(!psds.start(1, false, Time(59_999)));
-        psds.settle(Time(60_000), measure);
+        psds.settle(Time(60_000), 5, measure);
         assert_eq!(psds.due(), Time::NEVER);
         let reading = measured(Time(60_000), 0.06);
-        assert_eq!(psds.read(0, Time(9_000_000), unexpected), reading);
+        assert_eq!(psds.read(0, Time(9_000_000), 5, unexpected), reading);
         assert!(psds.start(1, true, Time(9_000_000)));
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
-        assert_eq!(psds.read(0, Time(9_000_001), measure), reading, "the old value stays");
+        assert_eq!(psds.read(0, Time(9_000_001), 5, measure), reading, "the old value stays");
     }
 
     #[test]
@@ -265,6 +280,6 @@ mod tests {
         psds.stop(Time(130_000));
         assert!(!psds.start(1, true, Time(179_999)));
         assert!(psds.start(1, true, Time(180_000)));
-        assert_eq!(psds.read(0, Time(180_000), measure).unwrap().measured_at, Time(180_000));
+        assert_eq!(psds.read(0, Time(180_000), 5, measure).unwrap().measured_at, Time(180_000));
     }
 }

@@ -10,7 +10,7 @@ use crate::drive::Motion;
 use crate::drive::legged::Stance;
 use crate::noise::{EventStreams, Profile, RangeErrors, RangeKind};
 use crate::pose::{Link, Pose3};
-use crate::sensor::{Fan, Mount, Posture, RangeSensor, Reading, Scan};
+use crate::sensor::{Fan, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
 use crate::spec::{LIDAR, LidarSpec, RobiSpec};
 use crate::time::Time;
 use crate::world::{RayCaster, World};
@@ -100,7 +100,9 @@ impl Ranges {
 
     /// Casts the rays of `sensors`, mounted on the body with this motion, at `at`.
     pub fn caster<'a>(&self, sensors: SensorSet, motion: &mut Motion, world: &'a World, at: Time) -> RayCaster<'a> {
-        let on_body = members(sensors).filter_map(|index| self.sensors.get(index)).filter(|it| it.link.is_none());
+        // A sonar casts many rays, so it collects its nearby robots itself.
+        let is_shared = |it: &&RangeSensor| it.link.is_none() && !matches!(it.model, RangeModel::Sonar(_));
+        let on_body = members(sensors).filter_map(|index| self.sensors.get(index)).filter(is_shared);
         let reach = on_body.clone().map(|it| it.mount.position.truncate().length() + it.model.limits()[1]);
         let (count, reach) = (on_body.count(), reach.fold(0.0, f64::max));
         world.caster_near(motion.id(), at, count, motion.pose(at).position, reach)

@@ -8,6 +8,13 @@ use super::Bounds;
 use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_margin};
 use super::nearby::{Nearby, Rectangle};
 
+/// Maximum number of bodies that [`BoundsIndex::add_to`] tests: with one large body, the middles of many others are within
+/// its size. Our choice.
+const MAX_SCANNED: usize = 256;
+
+/// Maximum extent of an index, m, for [`BoundsIndex::add_to`]; far below the largest `f32`. Our choice.
+const MAX_EXTENT: f64 = 1e30;
+
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
 /// The index is rebuilt each slot and reuses its memory. Time and memory are proportional to the number of bodies,
@@ -136,21 +143,26 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Adds the bodies that a ray in the circle of `nearby` may meet. Returns false if these are too many.
+    /// Adds the bodies that a ray in the circle of `nearby` may meet. Returns false, with an incomplete list, if the bodies
+    /// near the circle are too many, or the index is too large for single precision.
     pub fn add_to(&self, nearby: &mut Nearby<K>) -> bool {
         let Some(grid) = &self.grid else { return true };
         let (square, margin) = (nearby.square(), 2.0 * self.margin);
         let is_near = |corner| 2.0 * rounding_error(corner, grid.bounds()) < self.margin;
-        if !is_near(square.min) || !is_near(square.max) {
+        let is_narrow = (grid.bounds().max - grid.bounds().min).max_element() < MAX_EXTENT;
+        if !is_near(square.min) || !is_near(square.max) || !is_narrow {
             return false;
         }
         let slack = nearby.set_slack(grid.bounds(), margin);
         let reach = self.max_half + DVec2::splat(slack);
         let (columns, rows) = grid.span(&Bounds { min: square.min - reach, max: square.max + reach });
         let mut add = nearby.adder(grid.bounds().min);
+        let mut scanned = 0;
         rows.into_iter().all(|row| {
             let [first, last] = [columns.start(), columns.end()].map(|column| grid.index(*column, row));
-            self.middles.entries_between(first, last).iter().all(|(key, rectangle)| add(*key, rectangle))
+            let entries = self.middles.entries_between(first, last);
+            scanned += entries.len();
+            scanned <= MAX_SCANNED && entries.iter().all(|(key, rectangle)| add(*key, rectangle))
         })
     }
 

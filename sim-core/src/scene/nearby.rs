@@ -181,6 +181,10 @@ mod tests {
                 nearby.along_ray(centre, DVec2::NAN, 1.0, |_| panic!("no ray"));
             }
         }
+        let everywhere = Bounds { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
+        let mut index = BoundsIndex::default();
+        index.rebuild(&[(1, everywhere), (2, Bounds::of_disc(DVec2::ONE, 0.1))]);
+        assert!(!index.add_to(&mut Nearby::new(DVec2::ZERO, 2.0, 0)), "too large for single precision");
         assert!(list_count > 100 && walk_count > 100, "{list_count} lists, {walk_count} walks");
     }
 }

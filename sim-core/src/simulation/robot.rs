@@ -255,7 +255,7 @@ impl Robot {
     /// Latest sample that the driver of range sensor `index` has taken; `None` before the end of the first cycle.
     pub fn measured_range(&mut self, world: &World, index: usize) -> Option<Measured> {
         let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
-        psds.read(index, *now, measure_set((ranges, servos, switches), motion, world))
+        psds.read(index, *now, motion.revision(), measure_set((ranges, servos, switches), motion, world))
     }
 
     /// Latest sample of the compass, rad clockwise from north; `None` before the end of the first cycle.
@@ -274,7 +274,7 @@ impl Robot {
             return;
         }
         let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
-        psds.settle(*now, measure_set((ranges, servos, switches), motion, world));
+        psds.settle(*now, motion.revision(), measure_set((ranges, servos, switches), motion, world));
         if self.now >= self.devices.compass.due() {
             self.read_compass();
         }

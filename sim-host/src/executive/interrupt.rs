@@ -143,6 +143,10 @@ pub(super) fn disarm_last_resort() {
 }
 
 extern "C" fn on_last_resort(_: i32) {
+    if trace_file::has_drained() {
+        // The run has ended, and a slow file still takes its trace.
+        return arm_last_resort();
+    }
     const WORDS: &[u8] = b"error: a robot program on a thread of eyesim has harmed eyesim itself, which cannot go on: the run ends here, and \
         its record is not complete (--exec process keeps such a program apart)\n";
     // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
@@ -153,13 +157,12 @@ extern "C" fn on_last_resort(_: i32) {
 /// Ends this process as soon as the traces on their way to their files are written, after one second at the latest: a reader of a pipe
 /// may have stopped. Async-signal-safe.
 fn exit_after_writing(code: i32) -> ! {
-    let interval = libc::timespec { tv_sec: 0, tv_nsec: 1_000_000 };
     for _ in 0..1000 {
         if trace_file::is_all_written() {
             break;
         }
-        // SAFETY: async-signal-safe, and the first pointer is valid.
-        unsafe { libc::nanosleep(&raw const interval, std::ptr::null_mut()) };
+        // SAFETY: async-signal-safe; without descriptors it only waits for a millisecond.
+        unsafe { libc::poll(std::ptr::null_mut(), 0, 1) };
     }
     exit_at_once(code)
 }

@@ -113,6 +113,8 @@ impl Sink for ColumnarTrace {
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
+        // A table with half a row cannot be completed.
+        let was_open = std::mem::replace(&mut self.is_open, false);
         let table = &mut self.table;
         let kind = record.event.kind();
         table.number(T_S, record.time.seconds());
@@ -146,6 +148,7 @@ impl Sink for ColumnarTrace {
             }
         });
         let written = table.end_row();
+        self.is_open = was_open;
         self.checked(written)
     }
 
@@ -345,12 +348,15 @@ mod tests {
 
     #[test]
     fn dropped_trace_is_readable() {
-        let path = tempfile::tempdir().unwrap().keep().join("t.parquet");
-        let mut trace = TraceFile::create(&path, &header()).unwrap();
-        trace.end_slot(Time(1), Some(Digest([0; 32]))).unwrap();
-        drop(trace);
-        let text = String::from_utf8(read_text(&path).unwrap()).unwrap();
-        assert!(text.lines().count() == 2 && text.lines().last().unwrap().starts_with(r#"{"event":"slot""#), "{text}");
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["t.jsonl", "t.jsonl.zst", "t.parquet"] {
+            let path = folder.path().join(name);
+            let mut trace = TraceFile::create(&path, &header()).unwrap();
+            trace.end_slot(Time(1), Some(Digest([0; 32]))).unwrap();
+            drop(trace);
+            let text = String::from_utf8(read_text(&path).unwrap()).unwrap();
+            assert!(text.lines().count() == 2 && text.lines().last().unwrap().starts_with(r#"{"event":"slot""#), "{text}");
+        }
     }
 
     #[test]

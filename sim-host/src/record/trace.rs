@@ -124,6 +124,8 @@ pub struct TraceRobot {
 }
 
 /// Sink that writes a trace.
+///
+/// Dropped before [`Sink::finish`], it writes the lines that it has not compressed yet.
 pub struct Trace {
     out: BufWriter<Box<dyn Write + Send>>,
     path: PathBuf,
@@ -248,6 +250,13 @@ impl Sink for Trace {
         self.write_line(&ControlLine::End { t_s: end.seconds(), digest })?;
         self.compress(1)?;
         self.flush()
+    }
+}
+
+impl Drop for Trace {
+    fn drop(&mut self) {
+        // The run has another error, which is reported.
+        _ = self.compress(1);
     }
 }
 

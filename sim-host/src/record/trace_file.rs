@@ -7,7 +7,7 @@ use std::io;
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
@@ -32,6 +32,17 @@ const QUEUE: usize = 8;
 
 /// Number of batches in all queues of this process that are not written yet.
 static UNWRITTEN: AtomicUsize = AtomicUsize::new(0);
+
+/// Number of traces that wait for their last batches to be written.
+static DRAINING: AtomicUsize = AtomicUsize::new(0);
+
+/// A batch was written while a trace waited for it.
+static HAS_DRAINED: AtomicBool = AtomicBool::new(false);
+
+/// Returns true if a trace waits for its last batches and a batch has been written since the last call. Async-signal-safe.
+pub fn has_drained() -> bool {
+    HAS_DRAINED.swap(false, Ordering::AcqRel)
+}
 
 /// Returns true if every batch that was handed over in this process is written. Async-signal-safe.
 pub fn is_all_written() -> bool {
@@ -107,7 +118,11 @@ impl TraceFile {
 
     /// Hands the batch over. If the queue is full, keeps the batch unless it is full, too, and else waits.
     fn hand_over(&mut self) -> Result<(), RecordError> {
-        let Some(queue) = &self.queue else { return Ok(()) };
+        let Some(queue) = &self.queue else {
+            // The error of the writer was returned by an earlier call.
+            self.batch.clear();
+            return Ok(());
+        };
         let is_full = self.batch.len() >= FULL_BATCH;
         let next = Vec::with_capacity(self.batch.len());
         let batch = Batch::new(mem::replace(&mut self.batch, next));
@@ -125,7 +140,10 @@ impl TraceFile {
     fn end(&mut self) -> Result<(), RecordError> {
         self.queue = None;
         let is_gone = |_| RecordError::write("trace", &self.path, io::Error::other("its thread has failed"));
-        self.outcome.recv().map_err(is_gone)?
+        DRAINING.fetch_add(1, Ordering::AcqRel);
+        let outcome = self.outcome.recv();
+        DRAINING.fetch_sub(1, Ordering::AcqRel);
+        outcome.map_err(is_gone)?
     }
 }
 
@@ -150,6 +168,9 @@ impl Batch {
 impl Drop for Batch {
     fn drop(&mut self) {
         UNWRITTEN.fetch_sub(1, Ordering::AcqRel);
+        if DRAINING.load(Ordering::Acquire) > 0 {
+            HAS_DRAINED.store(true, Ordering::Release);
+        }
     }
 }
 
@@ -188,7 +209,8 @@ impl Drop for TraceFile {
         if let Some(queue) = self.queue.take() {
             _ = queue.send(Batch::new(mem::take(&mut self.batch)));
             drop(queue);
-            _ = self.outcome.recv();
+            // The run has another error, which is reported.
+            _ = self.end();
         }
     }
 }

@@ -122,10 +122,15 @@ fn write_text(writer: &mut Writer<Vec<u8>>, lines: &[String]) -> io::Result<()> 
 
 /// The text without colours and without the control characters that XML forbids.
 fn printable(text: &str) -> String {
-    let is_allowed = |letter: &char| !letter.is_ascii_control() || matches!(letter, '\t' | '\n' | '\r' | '\x7f');
+    let is_allowed = |letter: &char| match letter {
+        '\t' | '\n' | '\r' | '\x7f' => true,
+        '\u{fffe}' | '\u{ffff}' => false,
+        letter => !letter.is_ascii_control(),
+    };
     console::strip_ansi_codes(text).chars().filter(is_allowed).collect()
 }
 
 fn seconds(seconds: f64) -> String {
-    format!("{seconds:.3}")
+    // The sum of no numbers is -0.
+    format!("{:.3}", seconds + 0.0)
 }
