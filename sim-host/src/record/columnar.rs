@@ -355,7 +355,10 @@ mod tests {
             trace.end_slot(Time(1), Some(Digest([0; 32]))).unwrap();
             drop(trace);
             let text = String::from_utf8(read_text(&path).unwrap()).unwrap();
-            assert!(text.lines().count() == 2 && text.lines().last().unwrap().starts_with(r#"{"event":"slot""#), "{text}");
+            assert!(
+                text.lines().count() == 2 && text.lines().last().unwrap().starts_with(r#"{"event":"slot""#),
+                "{text}"
+            );
         }
     }
 
