@@ -27,15 +27,26 @@ if (!skip) {
   });
 }
 
-/** Calls `what` and returns the counts of the next frame drawn after it. */
-const drawn = async (what) => {
-  const frames = await page.evaluate(() => globalThis.eyesim.view.times.frames);
-  await what();
+/** Returns the counts of the first frame drawn after the frame with this number. */
+const afterFrame = async (frames) => {
   await page.waitForFunction((frames) => globalThis.eyesim.view.times.frames > frames, frames);
   return page.evaluate(() => ({ ...globalThis.eyesim.view.drawn }));
 };
-/** Switches a layer; returns the counts of the next frame. */
-const toggle = (layer) => drawn(() => page.getByTestId(`layer-${layer}`).evaluate((box) => box.click()));
+/** Calls `what` and returns the counts of the next frame drawn after the call began. */
+const drawn = async (what) => {
+  const frames = await page.evaluate(() => globalThis.eyesim.view.times.frames);
+  await what();
+  return afterFrame(frames);
+};
+/** Switches a layer; returns the counts of the next frame, whose number is read together with the switch: a frame that was due before
+ * does not count. */
+const toggle = async (layer) =>
+  afterFrame(
+    await page.getByTestId(`layer-${layer}`).evaluate((box) => {
+      box.click();
+      return globalThis.eyesim.view.times.frames;
+    }),
+  );
 const at = (t_s, turn = 0) => ({
   type: "snapshot",
   run: 1,
