@@ -262,6 +262,10 @@ impl Sink for LastDigest {
         Ok(())
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, _: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         self.0 = digest.or(self.0);
         Ok(())

@@ -354,6 +354,10 @@ impl Sink for Comparison {
         Ok(())
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         digest.into_iter().for_each(|digest| self.compare(end, digest));
         Ok(())

@@ -1,12 +1,14 @@
-//! Digest of a run: a hash chain per robot, a digest per slot, and a digest of the run.
+//! Digest of a run: a hash over the canonical bytes of its events.
 //!
-//! A robot's chain value after a slot is BLAKE3(previous chain value || canonical bytes of its events in the slot). The
-//! digest after a slot is BLAKE3(previous digest || end of the slot || (id, chain value) of each robot that recorded an
-//! event, in order of the ids). Slots and robots without events do not enter the digest; they only affect the times of
-//! later events. The digest of a run is the digest after its last slot, so it equals the last slot line of the trace.
+//! The digest after a slot is BLAKE3 of the run's bytes up to the end of this slot. These bytes are a head (name of the
+//! construction, seed, slot length), and for each slot with events the blocks of the robots that recorded an event, in order
+//! of the ids (id, number of bytes, canonical bytes of the events), followed by the end of the slot. Slots and robots without
+//! events add no bytes; they only affect the times of later events. The digest of a run is the digest after its last slot, so
+//! it equals the last slot line of the trace.
 //!
 //! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers as their bits. Notes, wall
-//! time and the order of threads are excluded. The construction is our choice.
+//! time and the order of threads are excluded. The construction is our choice: one long message is hashed in parallel (SIMD),
+//! the events of many slots at once.
 
 use std::fmt;
 
@@ -16,7 +18,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Name and version of the construction; change the version with every change of the construction or of the events.
-const DOMAIN: &[u8] = b"eyesim record 1";
+const DOMAIN: &[u8] = b"eyesim record 2";
 
 /// A 256-bit hash of everything recorded so far.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,54 +58,68 @@ impl<'de> Deserialize<'de> for Digest {
     }
 }
 
-/// Initial value of a robot's chain.
-pub(super) fn chain_start(robot: RobotId) -> [u8; 32] {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(DOMAIN).update(b" robot").update(&robot.0.to_le_bytes());
-    *hasher.finalize().as_bytes()
-}
+/// Length of a digest in bytes.
+const DIGEST_LEN: usize = blake3::OUT_LEN;
 
-/// Combines the robots' chains, slot by slot.
+/// Number of bytes that are hashed at once: chunks of BLAKE3's tree for the widest SIMD registers.
+const BATCH_LEN: usize = 16 * blake3::CHUNK_LEN;
+
+/// Marks the end of a slot, in place of the id of a robot.
+const SLOT_END: u32 = u32::MAX;
+
+/// Computes the digest of a run.
 #[derive(Clone, Debug)]
 pub struct RunDigest {
-    /// The digest so far, followed by the chain values of the slot in progress: both are hashed in one call, without a
-    /// copy.
-    bytes: Vec<u8>,
+    /// Hasher of the run's bytes before `pending`, a multiple of [`BATCH_LEN`].
+    hasher: Box<blake3::Hasher>,
+    /// The bytes of the run that are not hashed yet, fewer than [`BATCH_LEN`].
+    pending: Vec<u8>,
+    /// True if a robot has recorded an event in the slot in progress.
+    has_events: bool,
 }
 
-/// Length of a digest in bytes.
-const DIGEST_LEN: usize = 32;
-
 impl RunDigest {
-    /// Initial digest of a run; it depends on the seed and the slot length.
+    /// Digest of a run before its first slot; it depends on the seed and the slot length.
     pub fn new(seed: u64, slot: Time) -> Self {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(DOMAIN).update(b" run").update(&seed.to_le_bytes()).update(&slot.0.to_le_bytes());
-        Self { bytes: hasher.finalize().as_bytes().to_vec() }
+        let mut digest = Self { hasher: Box::default(), pending: Vec::with_capacity(BATCH_LEN), has_events: false };
+        digest.append(DOMAIN);
+        digest.append(&seed.to_le_bytes());
+        digest.append(&slot.0.to_le_bytes());
+        digest
     }
 
-    /// Adds the chain value of a robot that recorded events in this slot. Must be called in the order of the robots' ids.
-    pub fn add(&mut self, robot: RobotId, chain: &[u8; 32]) {
-        self.bytes.extend_from_slice(&robot.0.to_le_bytes());
-        self.bytes.extend_from_slice(chain);
+    /// Adds the canonical bytes of the events that a robot recorded in this slot. Must be called in the order of the robots' ids.
+    pub fn add(&mut self, robot: RobotId, events: &[u8]) {
+        self.append(&robot.0.to_le_bytes());
+        self.append(&(events.len() as u64).to_le_bytes());
+        self.append(events);
+        self.has_events = true;
     }
 
-    /// Ends the slot at `end` and returns the new digest; `None` if no robot recorded an event in the slot.
-    pub fn end_slot(&mut self, end: Time) -> Option<Digest> {
-        if self.bytes.len() == DIGEST_LEN {
-            return None;
+    /// Ends the slot at `end`. Returns true if a robot recorded an event in it, which changes the digest.
+    pub fn end_slot(&mut self, end: Time) -> bool {
+        let has_events = std::mem::take(&mut self.has_events);
+        if has_events {
+            self.append(&SLOT_END.to_le_bytes());
+            self.append(&end.0.to_le_bytes());
         }
-        self.bytes.extend_from_slice(&end.0.to_le_bytes());
-        let digest = *blake3::hash(&self.bytes).as_bytes();
-        self.bytes.clear();
-        self.bytes.extend_from_slice(&digest);
-        Some(Digest(digest))
+        has_events
     }
 
-    /// Digest after the last ended slot.
+    /// Appends to the bytes of the run.
+    fn append(&mut self, mut bytes: &[u8]) {
+        while let Some((rest_of_batch, others)) = bytes.split_at_checked(BATCH_LEN - self.pending.len()) {
+            self.pending.extend_from_slice(rest_of_batch);
+            self.hasher.update(&self.pending);
+            self.pending.clear();
+            bytes = others;
+        }
+        self.pending.extend_from_slice(bytes);
+    }
+
+    /// Digest after the last ended slot. Computing it takes some microseconds.
     pub fn value(&self) -> Digest {
-        let mut digest = [0; DIGEST_LEN];
-        digest.copy_from_slice(&self.bytes[..DIGEST_LEN]);
-        Digest(digest)
+        let mut hasher = self.hasher.clone();
+        Digest(*hasher.update(&self.pending).finalize().as_bytes())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::digest::{Digest, RunDigest};
 use super::event::{KindSet, Record};
-use super::journal::{EndedJournal, EventPosition, Journal, SlotEvents};
+use super::journal::{EventPosition, Journal, SlotEvents};
 use crate::RobotId;
 use crate::time::Time;
 
@@ -46,9 +46,8 @@ impl Recorder {
         if journal.is_empty() {
             return;
         }
-        journal.seal();
-        if let Some(chain) = journal.changed_chain() {
-            self.digest.add(journal.robot(), chain);
+        if !journal.events().is_empty() {
+            self.digest.add(journal.robot(), journal.events());
         }
         if !journal.kinds().intersects(self.interest) {
             journal.clear_slot();
@@ -70,22 +69,8 @@ impl Recorder {
         self.used += 1;
     }
 
-    /// Kinds of the events that the observer gets.
-    pub(crate) fn interest(&self) -> KindSet {
-        self.interest
-    }
-
-    /// Takes the events of `journal` like [`Recorder::collect`], given the result of [`Journal::end_slot`].
-    pub(crate) fn collect_ended(&mut self, robot: RobotId, ended: &EndedJournal, journal: &mut Journal) {
-        match ended {
-            EndedJournal::Empty => {}
-            EndedJournal::Chain(chain) => self.digest.add(robot, chain),
-            EndedJournal::Sealed => self.collect(journal),
-        }
-    }
-
-    /// Ends the slot: passes the collected events of interest to `observe`, in order of (virtual time, robot, sequence). Returns the
-    /// digest of the run so far, if the slot changed it.
+    /// Ends the slot: passes the collected events of interest to `observe`, in order of (virtual time, robot, sequence). Returns true
+    /// if the slot has changed the digest.
     ///
     /// # Errors
     /// The first error of `observe`, which then does not get the remaining events of the slot.
@@ -93,8 +78,8 @@ impl Recorder {
         &mut self,
         end: Time,
         mut observe: impl FnMut(&Record<'_>) -> Result<(), E>,
-    ) -> Result<Option<Digest>, E> {
-        let digest = self.digest.end_slot(end);
+    ) -> Result<bool, E> {
+        let has_changed = self.digest.end_slot(end);
         // The robots are in the order of their ids, the entries of a robot in the order of recording.
         self.order.sort_unstable_by_key(|entry| (entry.time, entry.robot_index, entry.entry));
         self.used = 0;
@@ -102,10 +87,10 @@ impl Recorder {
             let (robot, events) = &self.collected[entry.robot_index as usize];
             observe(&events.decode(*robot, &events.entries()[entry.entry as usize]))?;
         }
-        Ok(digest)
+        Ok(has_changed)
     }
 
-    /// Digest of the run up to the last ended slot.
+    /// Digest of the run up to the last ended slot. Computing it takes some microseconds.
     pub fn digest(&self) -> Digest {
         self.digest.value()
     }
@@ -127,8 +112,8 @@ mod tests {
             output.0.push(serde_json::to_string(record).unwrap());
             Ok(())
         };
-        let Ok(digest) = recorder.end_slot(end, observe);
-        output.1.push(digest);
+        let Ok(has_changed) = recorder.end_slot(end, observe);
+        output.1.push(has_changed.then(|| recorder.digest()));
     }
 
     const SLOT: Time = Time::from_millis(50);
@@ -212,17 +197,17 @@ mod tests {
     #[test]
     fn digest_has_the_documented_construction() {
         let mut recorder = Recorder::new(7, SLOT, KindSet::ALL);
-        let before = recorder.digest();
         let mut journal = Journal::new(RobotId(3), false);
         journal.record(Time(1), &Event::Reading { device: "IR", value: -1 });
         recorder.collect(&mut journal);
         end_slot(&mut recorder, SLOT, &mut RunOutput::default());
 
-        let hash = |parts: &[&[u8]]| *blake3::hash(&parts.concat()).as_bytes();
-        let chain_start = hash(&[b"eyesim record 1 robot", &3_u32.to_le_bytes()]);
         // Time 1 in zigzag form, number of the kind, length and letters of the device's name, value -1 in zigzag form.
-        let chain = hash(&[&chain_start, &[2, Kind::Reading as u8, 2, b'I', b'R', 1]]);
-        let expected = hash(&[&before.0, &3_u32.to_le_bytes(), &chain, &50_000_i64.to_le_bytes()]);
+        let events = [2, Kind::Reading as u8, 2, b'I', b'R', 1];
+        let head: &[&[u8]] = &[b"eyesim record 2", &7_u64.to_le_bytes(), &50_000_i64.to_le_bytes()];
+        let block: &[&[u8]] = &[&3_u32.to_le_bytes(), &(events.len() as u64).to_le_bytes(), &events];
+        let end: &[&[u8]] = &[&u32::MAX.to_le_bytes(), &50_000_i64.to_le_bytes()];
+        let expected = *blake3::hash(&[head, block, end].concat().concat()).as_bytes();
         assert_eq!(recorder.digest(), Digest(expected));
     }
 
@@ -230,7 +215,7 @@ mod tests {
     fn digest_matches_the_golden_value() {
         assert_eq!(
             run([0, 1], false, KindSet::NONE).0.to_string(),
-            "8e7fe502083cc57b79bdc315b2dbf4e4388a5816eb2d64b0613cd2d99cf256ad"
+            "ff9e1b1f91e0efdb02edf2aca73cca9bb0c69463b6792e62e4a1ce161febcf38"
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Environment: the state that robots share (world, messages in transit, record), and the end of a slot.
 
-use super::robot::{EndedRobot, record_contact};
+use super::robot::record_contact;
 use super::traffic::Traffic;
 use super::{Placeable, Placement, Robot, Robots};
 use crate::check::Monitor;
@@ -27,8 +27,8 @@ pub struct Environment {
     moving: Vec<RobotId>,
     /// Robots affected by the end of the present slot.
     affected: Vec<RobotId>,
-    /// Result of the end of the slot for each affected robot.
-    ended: Vec<EndedRobot>,
+    /// For each affected robot, true if the end of the next slot affects it too, even if its program does not act.
+    is_active: Vec<bool>,
     /// True once a robot has been removed.
     has_removed_robots: bool,
     traffic: Traffic,
@@ -42,15 +42,12 @@ pub struct Environment {
     spare_endings: Vec<[usize; 4]>,
 }
 
-// The journals of a section are hashed together, in parallel lanes.
-const _: () = assert!(parallel::SECTION == Journal::LANES);
-
 /// End of a slot for one robot: inputs and results.
 struct RobotEnding<'a> {
     robot: &'a mut Robot,
     /// The robot's publication; `None` if the world has not processed its motion.
     publication: Option<Publication<'a>>,
-    ended: &'a mut EndedRobot,
+    is_active: &'a mut bool,
 }
 
 /// Effects of the end of a slot on the robots.
@@ -72,7 +69,7 @@ impl Environment {
             journal: Journal::new(WORLD, false),
             moving: Vec::new(),
             affected: Vec::new(),
-            ended: Vec::new(),
+            is_active: Vec::new(),
             has_removed_robots: false,
             traffic: Traffic::default(),
             placements: Vec::new(),
@@ -196,30 +193,24 @@ impl Environment {
         // The posture is recorded before the pose, so that a reader has the height of the body before it reads the
         // pose. It needs the published motion of all robots.
         let has_stances = self.world.has_stances();
-        let (next_slot_end, interest) = (at + self.world.slot(), self.recorder.interest());
-        self.ended.clear();
-        self.ended.resize(robots.len(), EndedRobot::default());
+        let next_slot_end = at + self.world.slot();
+        self.is_active.clear();
+        self.is_active.resize(robots.len(), false);
         let mut endings: Vec<RobotEnding<'_>> = parallel::reuse(std::mem::take(&mut self.spare_endings));
         {
             let mut publications = is_settled.then(|| self.world.publications()).into_iter().flatten().peekable();
-            for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
+            for ((robot, id), is_active) in robots.iter_mut().zip(&self.affected).zip(&mut self.is_active) {
                 let publication = publications.next_if(|publication| publication.robot() == *id);
-                endings.push(RobotEnding { robot, publication, ended });
+                endings.push(RobotEnding { robot, publication, is_active });
             }
         }
-        pool.for_each_section(&mut endings, |section| {
-            for RobotEnding { robot, publication, ended } in section.iter_mut() {
-                if let Some(publication) = publication.take() {
-                    let Robot { motion, journal, .. } = &mut **robot;
-                    publication.publish(motion, at, next_slot_end, |contact| record_contact(journal, &contact));
-                }
-                if !has_stances {
-                    ended.is_active = robot.end_slot(None, at);
-                }
+        pool.for_each(&mut endings, |RobotEnding { robot, publication, is_active }| {
+            if let Some(publication) = publication.take() {
+                let Robot { motion, journal, .. } = &mut **robot;
+                publication.publish(motion, at, next_slot_end, |contact| record_contact(journal, &contact));
             }
             if !has_stances {
-                Journal::seal_all(section.iter_mut().map(|ending| &mut ending.robot.journal));
-                section.iter_mut().for_each(|ending| ending.ended.journal = ending.robot.journal.end_slot(interest));
+                **is_active = robot.end_slot(None, at);
             }
         });
         self.spare_endings = parallel::reuse(endings);
@@ -236,15 +227,11 @@ impl Environment {
         let Self { world, journal, recorder, .. } = self;
         record_objects(journal, world, at, world.moved_objects().iter().copied());
         recorder.collect(journal);
-        for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
-            if has_stances {
-                ended.is_active = robot.end_slot(Some(world), at);
-                ended.journal = robot.journal.end_slot(interest);
-            }
-            if ended.is_active {
+        for ((robot, id), is_active) in robots.iter_mut().zip(&self.affected).zip(&self.is_active) {
+            if if has_stances { robot.end_slot(Some(world), at) } else { *is_active } {
                 self.moving.push(*id);
             }
-            recorder.collect_ended(*id, &ended.journal, &mut robot.journal);
+            recorder.collect(&mut robot.journal);
         }
         SlotEnd { at, arrivals }
     }

@@ -18,7 +18,7 @@ use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
 use crate::pose::Pose;
 use crate::radio::Station;
-use crate::record::{EndedJournal, Event, FloatList, Journal, Obstacle};
+use crate::record::{Event, FloatList, Journal, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
@@ -61,14 +61,6 @@ pub struct Robot {
     pub walk: WalkRecord,
     /// Detects that the robot leaves the floor; `None` in a world without a floor.
     floor: Option<FloorMonitor>,
-}
-
-/// Result of the end of a slot for a robot.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct EndedRobot {
-    /// True if the end of the next slot affects the robot, even if its program does not act.
-    pub is_active: bool,
-    pub journal: EndedJournal,
 }
 
 /// Detects that a robot leaves the floor over its edge, where a wall is missing.

@@ -152,6 +152,10 @@ impl Sink for ColumnarTrace {
         self.checked(written)
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         digest.map_or(Ok(()), |digest| self.end_row("slot", end, digest))
     }

@@ -122,6 +122,10 @@ impl Sink for EventStore {
         Ok(())
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if digest.is_some() {
             self.store(&Stored::slot(end, digest));

@@ -55,7 +55,13 @@ pub trait Sink: Send {
     /// If the record cannot be stored.
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError>;
 
-    /// Ends the slot at `end`; `digest` is the digest of the run so far, if the slot changed it.
+    /// Returns true if the sink needs the digest after each slot, which takes some microseconds a slot; constant during a run.
+    fn needs_digests(&self) -> bool {
+        false
+    }
+
+    /// Ends the slot at `end`; `digest` is the digest of the run so far, if the slot changed it and a sink
+    /// [needs it](Self::needs_digests).
     ///
     /// # Errors
     /// If the slot's records cannot be stored.
@@ -79,6 +85,10 @@ impl<S: Sink + ?Sized> Sink for &mut S {
         (**self).record(record)
     }
 
+    fn needs_digests(&self) -> bool {
+        (**self).needs_digests()
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         (**self).end_slot(end, digest)
     }
@@ -98,6 +108,10 @@ impl<S: Sink> Sink for Arc<Mutex<S>> {
         self.lock().record(record)
     }
 
+    fn needs_digests(&self) -> bool {
+        self.lock().needs_digests()
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         self.lock().end_slot(end, digest)
     }
@@ -109,9 +123,10 @@ impl<S: Sink> Sink for Arc<Mutex<S>> {
 
 /// All sinks of a run as one.
 ///
-/// Each sink's interest is queried once, since it is constant during a run.
+/// What each sink needs is queried once, since it is constant during a run.
 #[derive(Default)]
 pub struct Sinks<'s> {
+    needs_digests: bool,
     /// The sinks with their interests.
     sinks: Vec<(KindSet, Box<dyn Sink + 's>)>,
 }
@@ -119,7 +134,7 @@ pub struct Sinks<'s> {
 impl<'s> Sinks<'s> {
     /// Sinks with a single element.
     pub fn one(sink: impl Sink + 's) -> Self {
-        Self { sinks: vec![(sink.interest(), Box::new(sink))] }
+        Self::from_iter([Box::new(sink) as Box<dyn Sink + 's>])
     }
 
     /// Ends the slot of `recorder` at `end`, and passes its records and digest to the sinks. The recorder must record
@@ -128,8 +143,8 @@ impl<'s> Sinks<'s> {
     /// # Errors
     /// The first error of a sink; its record of the slot is then incomplete.
     pub fn take_slot(&mut self, recorder: &mut Recorder, end: Time) -> Result<(), RecordError> {
-        let digest = recorder.end_slot(end, |record| self.record(record))?;
-        self.end_slot(end, digest)
+        let has_changed = recorder.end_slot(end, |record| self.record(record))?;
+        self.end_slot(end, (has_changed && self.needs_digests).then(|| recorder.digest()))
     }
 
     /// Completes the record at the end of the run, `time`; returns the digest, and the error if the record is incomplete.
@@ -145,7 +160,8 @@ impl<'s> Sinks<'s> {
 
 impl<'s> FromIterator<Box<dyn Sink + 's>> for Sinks<'s> {
     fn from_iter<I: IntoIterator<Item = Box<dyn Sink + 's>>>(sinks: I) -> Self {
-        Self { sinks: sinks.into_iter().map(|sink| (sink.interest(), sink)).collect() }
+        let sinks: Vec<_> = sinks.into_iter().map(|sink| (sink.interest(), sink)).collect();
+        Self { needs_digests: sinks.iter().any(|(_, sink)| sink.needs_digests()), sinks }
     }
 }
 
@@ -161,6 +177,10 @@ impl Sink for Sinks<'_> {
             .iter_mut()
             .filter(|(interest, _)| interest.contains(kind))
             .try_for_each(|(_, sink)| sink.record(record))
+    }
+
+    fn needs_digests(&self) -> bool {
+        self.needs_digests
     }
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {

@@ -238,6 +238,10 @@ impl Sink for Trace {
         self.write_line(record)
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if let Some(digest) = digest {
             self.write_line(&ControlLine::Slot { t_s: end.seconds(), digest })?;

@@ -184,6 +184,10 @@ impl Sink for TraceFile {
         if self.batch.len() >= FULL_BATCH { self.hand_over() } else { Ok(()) }
     }
 
+    fn needs_digests(&self) -> bool {
+        true
+    }
+
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if digest.is_some() || !self.batch.is_empty() {
             self.push(&Stored::slot(end, digest))?;
