@@ -52,17 +52,18 @@ pub enum Cause {
     },
 }
 
-/// Motion with constant rates from `start` until its end, then rest.
+/// Motion with constant rates from `start` until its end, then rest. The fields are laid out in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Piece {
     /// Start of the piece.
     pub start: Time,
+    /// Seconds from `start` to the end; can be infinite.
+    pub duration: f64,
     /// The state at `start`.
     pub state: State,
     /// The rates from `start` on.
     pub rates: Rates,
-    /// Seconds from `start` to the end; can be infinite.
-    pub duration: f64,
     /// Reason why the piece ends.
     pub cause: Cause,
 }

@@ -21,8 +21,25 @@ use crate::{
 };
 
 /// A piece of motion, with the data from which the next stage is computed.
+///
+/// The fields are laid out in this order: a query about an earlier instant reads the first four cache lines.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(super) struct Stage {
+    /// Path of the centre, without contacts.
+    pub path: Path,
+    /// Seconds after the start up to which walls have been searched.
+    pub explored: f64,
+    /// Intervals of the motion from the first contact with a wall on, in order of time, for a body that can slide.
+    pub intervals: Vec<MotionInterval>,
+    /// True if the stage begins with a placement of the robot. A placement ends all earlier contacts.
+    pub is_placed: bool,
+    /// True if the motion has random errors, which are valid for this tick only.
+    has_random_errors: bool,
+    /// True if no later tick changes the motion.
+    is_steady: bool,
+    /// Instant until which the robot moves without errors, because the errors would press the robot against a contact.
+    error_free_until: Option<Time>,
     pub piece: Piece,
     pub commands: CommandState,
     /// State of wheels and controllers just before the stage. If another command arrives at the same instant, it starts
@@ -30,25 +47,11 @@ pub(super) struct Stage {
     pub actuation_before: Actuation,
     /// State of wheels and controllers during the stage.
     pub actuation: Actuation,
-    /// Path of the centre, without contacts.
-    pub path: Path,
     /// True twist of the axle, motion errors included, without movable objects; a robot that pushes an object may be
     /// slower.
     pub unhindered_twist: Twist,
     /// Slow-down by movable objects.
     pub slowdown: Slowdown,
-    /// Seconds after the start up to which walls have been searched.
-    pub explored: f64,
-    /// True if the stage begins with a placement of the robot. A placement ends all earlier contacts.
-    pub is_placed: bool,
-    /// True if the motion has random errors, which are valid for this tick only.
-    has_random_errors: bool,
-    /// Instant until which the robot moves without errors, because the errors would press the robot against a contact.
-    error_free_until: Option<Time>,
-    /// True if no later tick changes the motion.
-    is_steady: bool,
-    /// Intervals of the motion from the first contact with a wall on, in order of time, for a body that can slide.
-    pub intervals: Vec<MotionInterval>,
 }
 
 /// A part of a stage. It begins at a contact with a wall or at the end of the previous part.

@@ -74,11 +74,7 @@ impl Recorder {
     ///
     /// # Errors
     /// The first error of `observe`, which then does not get the remaining events of the slot.
-    pub fn end_slot<E>(
-        &mut self,
-        end: Time,
-        mut observe: impl FnMut(&Record<'_>) -> Result<(), E>,
-    ) -> Result<bool, E> {
+    pub fn end_slot<E>(&mut self, end: Time, mut observe: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<bool, E> {
         let has_changed = self.digest.end_slot(end);
         // The robots are in the order of their ids, the entries of a robot in the order of recording.
         self.order.sort_unstable_by_key(|entry| (entry.time, entry.robot_index, entry.entry));

@@ -1,19 +1,21 @@
 //! The few bodies near a point, laid out so that many rays from there find theirs quickly.
 
-use glam::{DVec2, Vec2, Vec4};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8};
+use glam::{DVec2, Vec2};
 
 use super::{Bounds, grid::is_ray};
 
 /// Number of bodies in a batch.
-const WIDTH: usize = 4;
+const WIDTH: usize = 8;
 
 /// Maximum number of bodies near a point. With more bodies, walks through the cells of the index find those of a ray
 /// sooner.
-const CAPACITY: usize = 8 * WIDTH;
+const CAPACITY: usize = 32;
 
 /// The bodies whose rectangles overlap a circle, for rays that stay in the circle.
 ///
-/// Rectangles are tested in `f32`, four at a time, with margins wider than all rounding. The caller tests the bodies
+/// Rectangles are tested in `f32`, eight at a time, with margins wider than all rounding. The caller tests the bodies
 /// themselves.
 #[derive(Clone, Debug)]
 pub struct Nearby<K> {
@@ -21,15 +23,21 @@ pub struct Nearby<K> {
     centre: DVec2,
     /// Radius of the circle, m.
     reach: f64,
+    level: Level,
+    len: usize,
+    rectangles: Rectangles,
+    keys: [K; CAPACITY],
+}
+
+/// Middles and half sizes of rectangles; unused ones are NaN and compare as false.
+#[derive(Clone, Debug)]
+struct Rectangles {
     /// Margin by which rectangles are enlarged, m.
     slack: f32,
-    len: usize,
-    /// Middles and half sizes of the rectangles; unused ones are NaN and compare as false.
     x: [f32; CAPACITY],
     y: [f32; CAPACITY],
     half_x: [f32; CAPACITY],
     half_y: [f32; CAPACITY],
-    keys: [K; CAPACITY],
 }
 
 /// A rectangle in the frame of an index.
@@ -51,7 +59,8 @@ impl<K: Copy> Nearby<K> {
     /// An empty list for rays that stay within `reach` metres of `centre`. `placeholder` is any key.
     pub fn new(centre: DVec2, reach: f64, placeholder: K) -> Self {
         let [x, y, half_x, half_y] = [[f32::NAN; CAPACITY]; 4];
-        Self { centre, reach, slack: 0.0, len: 0, x, y, half_x, half_y, keys: [placeholder; CAPACITY] }
+        let rectangles = Rectangles { slack: 0.0, x, y, half_x, half_y };
+        Self { centre, reach, level: Level::new(), len: 0, rectangles, keys: [placeholder; CAPACITY] }
     }
 
     /// The square around the circle.
@@ -65,26 +74,28 @@ impl<K: Copy> Nearby<K> {
     pub(super) fn set_slack(&mut self, extent: &Bounds, margin: f64) -> f64 {
         // Each of a few roundings is at most 2^-24 of the largest coordinate.
         let size = (extent.max - extent.min).max_element() + 4.0 * self.reach;
-        self.slack = self.slack.max((2e-6 * size + margin) as f32);
-        f64::from(self.slack)
+        let slack = &mut self.rectangles.slack;
+        *slack = slack.max((2e-6 * size + margin) as f32);
+        f64::from(*slack)
     }
 
     /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. It returns false if
     /// there are too many.
     pub(super) fn adder(&mut self, origin: DVec2) -> impl FnMut(K, &Rectangle) -> bool {
         let shift = (origin - self.centre).as_vec2();
-        let limit = self.reach as f32 + self.slack;
+        let Rectangles { slack, x, y, half_x, half_y } = &mut self.rectangles;
+        let (limit, keys, len) = (self.reach as f32 + *slack, &mut self.keys, &mut self.len);
         move |key, rectangle| {
-            let (middle, half, index) = (rectangle.middle + shift, rectangle.half, self.len);
+            let (middle, half, index) = (rectangle.middle + shift, rectangle.half, *len);
             if index >= CAPACITY {
                 return false;
             }
-            (self.x[index], self.y[index]) = (middle.x, middle.y);
-            (self.half_x[index], self.half_y[index]) = (half.x, half.y);
-            self.keys[index] = key;
+            (x[index], y[index]) = (middle.x, middle.y);
+            (half_x[index], half_y[index]) = (half.x, half.y);
+            keys[index] = key;
             // A rectangle outside the circle is overwritten by the next one, or tested in vain: no branch could be predicted.
             let distance = limit + half.x + half.y;
-            self.len += usize::from(middle.length_squared() <= distance * distance);
+            *len += usize::from(middle.length_squared() <= distance * distance);
             true
         }
     }
@@ -96,37 +107,52 @@ impl<K: Copy> Nearby<K> {
     }
 
     /// Visits each body whose rectangle a ray in the circle meets within `range` metres, in no particular order.
-    /// `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
+    /// `direction` is a unit vector.
     ///
     /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
-    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K) -> f64) {
+    pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K)) {
         if !is_ray(origin, direction, range) {
             return;
         }
-        let from = (origin - self.centre).as_vec2();
-        let direction = direction.as_vec2();
-        let (x, y) = (Vec4::splat(direction.x), Vec4::splat(direction.y));
+        let (from, direction, range) = ((origin - self.centre).as_vec2(), direction.as_vec2(), range as f32);
+        let (len, rectangles) = (self.len, &self.rectangles);
+        let mut hits = dispatch!(self.level, simd => rectangles.hits(simd, len, from, direction, range));
+        while hits != 0 {
+            visit(self.keys[hits.trailing_zeros() as usize % CAPACITY]);
+            hits &= hits - 1;
+        }
+    }
+}
+
+impl Rectangles {
+    /// Bit mask of the rectangles, among the first `len`, that a ray may meet.
+    #[inline(always)]
+    fn hits<S: Simd>(&self, simd: S, len: usize, from: Vec2, direction: Vec2, range: f32) -> u32 {
+        let (x, y) = (f32x8::splat(simd, direction.x), f32x8::splat(simd, direction.y));
         let (forward_x, forward_y) = (x.abs(), y.abs());
-        let (from_x, from_y, slack) = (Vec4::splat(from.x), Vec4::splat(from.y), Vec4::splat(self.slack));
-        let mut limit = Vec4::splat(range as f32);
-        for start in (0..self.len).step_by(WIDTH) {
-            let [batch_x, batch_y, half_x, half_y] =
-                [&self.x, &self.y, &self.half_x, &self.half_y].map(|all| Vec4::from_slice(&all[start..start + WIDTH]));
-            let (offset_x, offset_y) = (batch_x - from_x, batch_y - from_y);
+        let (from_x, from_y) = (f32x8::splat(simd, from.x), f32x8::splat(simd, from.y));
+        let (slack, limit) = (f32x8::splat(simd, self.slack), f32x8::splat(simd, range));
+        let (zero, mut hits) = (f32x8::splat(simd, 0.0), 0);
+        for start in (0..len.min(CAPACITY)).step_by(WIDTH) {
+            let offset_x = batch(simd, &self.x, start) - from_x;
+            let offset_y = batch(simd, &self.y, start) - from_y;
+            let (half_x, half_y) = (batch(simd, &self.half_x, start), batch(simd, &self.half_y, start));
             let aside = (x * offset_y - y * offset_x).abs();
             let ahead = x * offset_x + y * offset_y;
             let width = half_x * forward_y + half_y * forward_x + slack;
             let depth = half_x * forward_x + half_y * forward_y + slack;
-            let is_hit = aside.cmple(width) & (ahead + depth).cmpge(Vec4::ZERO) & (ahead - depth).cmple(limit);
-            let mut hit_lanes = is_hit.bitmask();
-            while hit_lanes != 0 {
-                let lane = hit_lanes.trailing_zeros() as usize % WIDTH;
-                limit = Vec4::splat(visit(self.keys[start + lane]) as f32);
-                hit_lanes &= hit_lanes - 1;
-            }
+            let is_hit = aside.simd_le(width) & (ahead + depth).simd_ge(zero) & (ahead - depth).simd_le(limit);
+            hits |= (is_hit.to_bitmask() as u32) << start;
         }
+        hits
     }
+}
+
+/// The numbers of a batch that begins at `start`.
+#[inline(always)]
+fn batch<S: Simd>(simd: S, numbers: &[f32; CAPACITY], start: usize) -> f32x8<S> {
+    f32x8::simd_from(simd, numbers.as_chunks::<WIDTH>().0[start / WIDTH])
 }
 
 #[cfg(test)]
@@ -165,10 +191,7 @@ mod tests {
                     let (direction, range) = (DVec2::new(cos, sin), 1.5 * unit());
                     assert!(nearby.contains(origin, range));
                     let mut visited = Vec::new();
-                    nearby.along_ray(origin, direction, range, |id| {
-                        visited.push(id);
-                        range
-                    });
+                    nearby.along_ray(origin, direction, range, |id| visited.push(id));
                     for &(id, middle, radius) in &discs {
                         let is_hit = Bounds::of_disc(middle, radius).clip(origin, direction, range).is_some();
                         assert!(

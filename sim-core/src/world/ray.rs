@@ -214,9 +214,10 @@ impl World {
         let mut caster = self.caster(robot, at);
         if count >= MIN_RAYS && self.tracks.len() > 1 && reach.is_finite() {
             // So that rounding excludes no ray that just stays within `reach`.
-            let mut nearby = Nearby::new(centre, reach * (1.0 + 1e-6), robot);
-            let is_complete = self.moving.add_to(&mut nearby) && self.resting.add_to(&mut nearby);
-            caster.nearby = is_complete.then_some(nearby);
+            let nearby = caster.nearby.insert(Nearby::new(centre, reach * (1.0 + 1e-6), robot));
+            if !(self.moving.add_to(nearby) && self.resting.add_to(nearby)) {
+                caster.nearby = None;
+            }
         }
         caster
     }
@@ -358,7 +359,7 @@ impl RayCast<'_> {
         if let Some(nearby) = &self.caster.nearby
             && nearby.contains(origin, range)
         {
-            nearby.along_ray(origin, trace, range, |robot| self.cast_robot(robot));
+            nearby.along_ray(origin, trace, range, |robot| _ = self.cast_robot(robot));
             return;
         }
         world.resting.along_ray(origin, trace, self.trace_range(), |robot| self.cast_robot(robot));
