@@ -27,6 +27,7 @@ pub mod record;
 pub mod scene;
 pub mod sensor;
 pub mod simulation;
+mod sort;
 pub mod spec;
 pub mod time;
 pub mod unit;

@@ -28,6 +28,7 @@ use crate::{
     pose::{PlacementError, Pose, Pose3, Twist},
     radio::{Channel, Loss, RadioModel},
     scene::{Bounds, BoundsIndex, Walls},
+    sort::sort_few,
     time::Time,
 };
 use discs::{Disc, DiscCache};
@@ -393,7 +394,7 @@ impl World {
         let bounds = Bounds::of_disc(centre, radius + TOUCH);
         self.resting.visit_in(&bounds, &mut visit);
         self.moving.visit_in(&bounds, &mut visit);
-        bodies.sort_by_key(|body| body.robot);
+        sort_few(&mut bodies, |body| body.robot);
         bodies.dedup_by_key(|body| body.robot);
         bodies
     }

@@ -24,6 +24,7 @@ use crate::{
     math,
     pose::{Heading, PlacementError, Pose, Twist},
     scene::Walls,
+    sort::sort_few,
     time::{TICK, Time},
 };
 
@@ -718,7 +719,7 @@ impl Motion {
     pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
         let mut impacts = self.uncommitted_impacts(end);
         impacts.append(&mut self.object_impacts);
-        impacts.sort_by_key(|impact| impact.time);
+        sort_few(&mut impacts, |impact| impact.time);
         self.touched_objects.retain(|(_, last)| *last > end - HISTORY);
         for impact in &mut impacts {
             if !matches!(impact.thing, Thing::Wall(_)) {

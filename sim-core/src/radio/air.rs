@@ -50,7 +50,7 @@ impl Air {
             self.longest = self.longest.max(transmission.ends - transmission.begins);
             self.transmissions.push((transmission, false));
         }
-        self.transmissions.sort_by_key(|(it, _)| (it.begins, it.message.from, it.message.sequence));
+        self.transmissions.sort_unstable_by_key(|(it, _)| (it.begins, it.message.from, it.message.sequence));
     }
 
     /// Removes and returns the transmissions that cannot begin because `off` switched their sender off.

@@ -123,7 +123,7 @@ impl Channel {
     /// Takes the messages queued in the slot that ends at `slot_end`, in any order, and returns the deliveries decided by `slot_end`,
     /// sorted by (visible, receiver, arrives, sender, sequence).
     pub fn exchange(&mut self, slot_end: Time, mut messages: Vec<OutgoingMessage>) -> Vec<Delivery> {
-        messages.sort_by_key(|message| (message.from, message.sequence));
+        messages.sort_unstable_by_key(|message| (message.from, message.sequence));
         let mut deliveries = self.send(slot_end, messages);
         let until = if self.model.medium == Medium::Free { Time::NEVER } else { slot_end };
         for transmission in self.air.arrived(until) {
@@ -147,7 +147,7 @@ impl Channel {
         let mut transmissions: Vec<Transmission> = air.arrived(Time::NEVER).cloned().collect();
         transmissions
             .extend(self.ring.take_queued().into_iter().map(|message| Transmission::new(message, end, &self.model)));
-        transmissions.sort_by_key(|transmission| (transmission.message.from, transmission.message.sequence));
+        transmissions.sort_unstable_by_key(|transmission| (transmission.message.from, transmission.message.sequence));
         self.due = Time::NEVER;
         let end_loss = |transmission: &Transmission| Delivery {
             visible: end,

@@ -66,7 +66,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
                 .map(|&(id, Bounds { min, max })| (id, Bounds { min: min.max(limits.min), max: max.min(limits.max) })),
         );
         if !self.bodies.is_sorted_by_key(|body| body.0) {
-            self.bodies.sort_by_key(|body| body.0);
+            self.bodies.sort_unstable_by_key(|body| body.0);
         }
         self.choose_grid();
         let Some(grid) = &self.grid else { return };

@@ -8,6 +8,7 @@ use crate::{
     contact::Thing,
     drive::{Motion, legged::BodyPart},
     scene::{Bounds, Capsule},
+    sort::sort_few,
     time::Time,
 };
 
@@ -81,7 +82,7 @@ impl World {
             let things = self.capsule_contacts(robot, &limb.capsule, at);
             contacts.extend(things.into_iter().map(|(thing, point)| LegContact { part: limb.part, thing, point }));
         }
-        contacts.sort_by_key(|contact| (contact.part, contact.thing));
+        sort_few(&mut contacts, |contact| (contact.part, contact.thing));
         Some(LegClearance { contacts, clearance })
     }
 
@@ -102,7 +103,7 @@ impl World {
                 things.extend(geometry_contact(geometry, capsule).map(|point| (thing, point)));
             }
         });
-        things.sort_by_key(|(thing, _)| *thing);
+        sort_few(&mut things, |(thing, _)| *thing);
         things.dedup_by_key(|(thing, _)| *thing);
         things
     }

@@ -21,6 +21,7 @@ use crate::{
     math,
     pose::{Heading, Pose, Twist},
     scene::Ground,
+    sort::sort_few,
     time::Time,
 };
 
@@ -605,7 +606,7 @@ impl Steps {
             let footfall = |step: &Step| Footfall { time: step.touch_down, leg, point: step.standing().point };
             footfalls.extend(steps.iter().filter(is_footfall).map(footfall));
         }
-        footfalls.sort_by_key(|footfall| (footfall.time, footfall.leg));
+        sort_few(&mut footfalls, |footfall| (footfall.time, footfall.leg));
         footfalls
     }
 
