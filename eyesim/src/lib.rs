@@ -6,6 +6,7 @@
 //! by [`sim_host`].
 
 pub mod cli;
+#[cfg(feature = "grading")]
 pub mod grade;
 pub mod pack;
 pub mod plot;

@@ -12,7 +12,7 @@ use clap::{Parser, Subcommand};
 use output::say;
 use sim_host::executive::interrupt;
 
-#[cfg(not(all(feature = "accuracy", feature = "lsp", feature = "window")))]
+#[cfg(not(all(feature = "accuracy", feature = "grading", feature = "lsp", feature = "window")))]
 mod absent;
 #[cfg(feature = "accuracy")]
 pub mod accuracy;
@@ -26,6 +26,7 @@ mod diff;
 mod doctor;
 pub mod excerpt;
 pub mod explain;
+#[cfg(feature = "grading")]
 pub mod grade;
 #[cfg(feature = "lsp")]
 mod lsp;
@@ -76,7 +77,11 @@ enum Command {
     /// Run all cases of a suite and write their rows into a folder, on one or many machines; finished cases are not repeated
     Sweep(sweep::SweepArgs),
     /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading services
+    #[cfg(feature = "grading")]
     Grade(grade::GradeArgs),
+    #[cfg(not(feature = "grading"))]
+    #[command(hide = true)]
+    Grade(absent::AbsentArgs),
     /// Run a sim file in the window: watch it in 3D in a browser, and intervene
     #[cfg(feature = "window")]
     View(Box<view::ViewArgs>),
@@ -147,7 +152,10 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Sweep(args) => sweep::run(&args),
+        #[cfg(feature = "grading")]
         Command::Grade(args) => grade::run(&args),
+        #[cfg(not(feature = "grading"))]
+        Command::Grade(_) => Err(absent::error("grading")),
         #[cfg(feature = "window")]
         Command::View(args) => view::run(*args),
         #[cfg(feature = "window")]

@@ -14,6 +14,7 @@ mod select;
 pub mod summary;
 pub mod table;
 
+#[cfg(feature = "grading")]
 pub(crate) use case::unfinished_case_result;
 pub use case::{Case, Keep, PrepareError, Session, run_case};
 pub use pool::{Pool, PoolError, PoolOptions};
