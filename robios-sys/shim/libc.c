@@ -40,6 +40,36 @@ enum {
     FAILED_HEAP = 8
 };
 
+/* ---- results in memory of the library, to which functions return pointers ---- */
+
+enum { MAX_OUTPUT = 4096 };
+
+struct results {
+    struct tm calendar;
+    char calendar_text[64];
+    char digits[400];
+    char version[64];
+    char machine_name[64];
+#if EYESIM_ROBIOS == 7
+    char output[MAX_OUTPUT]; /* of a command */
+#else
+    HDT_entry_type entry;
+#endif
+};
+
+static struct results *results;
+
+extern void *__libc_calloc(size_t count, size_t len);
+
+/* The robot's results, NULL without memory. Few programs need them, so they are not among the variables, which are copied whenever
+ * another robot has run. */
+static struct results *own_results(void)
+{
+    if (results == NULL)
+        results = __libc_calloc(1, sizeof *results);
+    return results;
+}
+
 /* ---- console: lines go to the host; no text stays in a FILE ---- */
 
 /* The streams of this library, instead of the host's. */
@@ -163,7 +193,9 @@ __attribute__((destructor(101))) static void close_console(void)
     stdin = stdout = stderr = NULL;
     free(OUT->line);
     free(ERR->line);
+    free(results);
     OUT->line = ERR->line = NULL;
+    results = NULL;
 }
 
 static void flush_console(void)
@@ -793,7 +825,6 @@ LIBC(void, error, (int exit_code, int number, const char *format, ...))
 
 /* ---- memory: a guard zone behind each block reveals an overrun when the block is freed ---- */
 
-extern void *__libc_calloc(size_t count, size_t len);
 extern void *__libc_realloc(void *memory, size_t len);
 extern void __libc_free(void *memory);
 
@@ -1452,18 +1483,23 @@ static char *rest_of_text;
 
 LIBC(char *, strtok, (char *text, const char *separators)) { return strtok_r(text, separators, &rest_of_text); }
 
-static struct tm calendar;
-static char calendar_text[64];
-
-LIBC(struct tm *, gmtime, (const time_t *at)) { return gmtime_r(at, &calendar); }
-LIBC(struct tm *, localtime, (const time_t *at)) { return gmtime_r(at, &calendar); }
+LIBC(struct tm *, gmtime, (const time_t *at))
+{
+    struct results *own = own_results();
+    return own == NULL ? NULL : gmtime_r(at, &own->calendar);
+}
+LIBC(struct tm *, localtime, (const time_t *at)) { return libc_gmtime(at); }
 LIBC(struct tm *, localtime_r, (const time_t *at, struct tm *to)) { return gmtime_r(at, to); }
 LIBC(time_t, mktime, (struct tm * from)) { return timegm(from); }
-LIBC(char *, asctime, (const struct tm *from)) { return asctime_r(from, calendar_text); }
+LIBC(char *, asctime, (const struct tm *from))
+{
+    struct results *own = own_results();
+    return own == NULL ? NULL : asctime_r(from, own->calendar_text);
+}
 LIBC(char *, ctime, (const time_t *at))
 {
     struct tm broken;
-    return gmtime_r(at, &broken) == NULL ? NULL : asctime_r(&broken, calendar_text);
+    return gmtime_r(at, &broken) == NULL ? NULL : libc_asctime(&broken);
 }
 LIBC(char *, ctime_r, (const time_t *at, char *to))
 {
@@ -1471,13 +1507,17 @@ LIBC(char *, ctime_r, (const time_t *at, char *to))
     return gmtime_r(at, &broken) == NULL ? NULL : asctime_r(&broken, to);
 }
 
-static char digits[400];
-
 LIBC(char *, ecvt, (double value, int count, int *point, int *is_negative))
 {
-    return ecvt_r(value, count, point, is_negative, digits, sizeof digits) == 0 ? digits : NULL;
+    struct results *own = own_results();
+    if (own == NULL || ecvt_r(value, count, point, is_negative, own->digits, sizeof own->digits) != 0)
+        return NULL;
+    return own->digits;
 }
 LIBC(char *, fcvt, (double value, int count, int *point, int *is_negative))
 {
-    return fcvt_r(value, count, point, is_negative, digits, sizeof digits) == 0 ? digits : NULL;
+    struct results *own = own_results();
+    if (own == NULL || fcvt_r(value, count, point, is_negative, own->digits, sizeof own->digits) != 0)
+        return NULL;
+    return own->digits;
 }

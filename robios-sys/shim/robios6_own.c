@@ -9,28 +9,34 @@ static int32_t task_of(const struct tcb *task)
 
 WEAK char *OSVersion(void)
 {
-    static char text[64];
+    struct results *own = own_results();
     int32_t result;
-    memset(text, 0, sizeof text);
-    ROBIOS(OSVersion, room_of(text, sizeof text - 1), &result);
-    return text;
+    if (own == NULL)
+        return NULL;
+    memset(own->version, 0, sizeof own->version);
+    ROBIOS(OSVersion, room_of(own->version, sizeof own->version - 1), &result);
+    return own->version;
 }
 
 WEAK char *OSMachineName(void)
 {
-    static char text[64];
+    struct results *own = own_results();
     int32_t result;
-    memset(text, 0, sizeof text);
-    ROBIOS(OSMachineName, room_of(text, sizeof text - 1), &result);
-    return text;
+    if (own == NULL)
+        return NULL;
+    memset(own->machine_name, 0, sizeof own->machine_name);
+    ROBIOS(OSMachineName, room_of(own->machine_name, sizeof own->machine_name - 1), &result);
+    return own->machine_name;
 }
 
 WEAK void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)
 {
-    static HDT_entry_type entry;
+    struct results *own = own_results();
     int32_t is_found = 0;
-    ROBIOS(HDT_FindEntry, type_id, semantics, &entry, &is_found);
-    return is_found ? &entry : NULL;
+    if (own == NULL)
+        return NULL;
+    ROBIOS(HDT_FindEntry, type_id, semantics, &own->entry, &is_found);
+    return is_found ? &own->entry : NULL;
 }
 
 static struct tcb *all_tasks;

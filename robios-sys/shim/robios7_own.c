@@ -7,7 +7,6 @@
 
 enum {
     MAX_NAME = 32,
-    MAX_OUTPUT = 4096,
     MAX_SERIAL = 256,
     MAX_RADIO_IDS = 256,
     MAX_LIDAR_POINTS = 65536,
@@ -295,10 +294,12 @@ WEAK int OSExecute(const char *command, char *out)
 
 WEAK char *eyesim_OSExecute(const char *command)
 {
-    static char out[MAX_OUTPUT];
-    memset(out, 0, sizeof out);
-    OSExecute(command, out);
-    return out;
+    struct results *own = own_results();
+    if (own == NULL)
+        return NULL;
+    memset(own->output, 0, sizeof own->output);
+    OSExecute(command, own->output);
+    return own->output;
 }
 
 WEAK int OSVersion(char *buf)
