@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::section::{MotionSection, push, take_until};
 use crate::contact::Path;
-use crate::drive::Motion;
+use crate::drive::{Motion, Passages};
 use crate::pose::{Pose, Twist};
 use crate::time::Time;
 use crate::world::ObjectStep;
@@ -77,7 +77,7 @@ impl PendingMotion {
     /// Appends the motion of a robot from `from` to `to`.
     pub fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         self.rest_until(from);
-        let mut passages = Vec::new();
+        let mut passages = Passages::new();
         motion.passages(from, to, &mut passages);
         MotionSection::append(&mut self.body, &passages, (from, to), 0.0);
         if let Some(odometry) = &mut self.odometry {
@@ -167,7 +167,7 @@ impl PendingOdometry {
     }
 
     fn append(&mut self, motion: &mut Motion, times: (Time, Time)) {
-        let mut passages = Vec::new();
+        let mut passages = Passages::new();
         motion.odometry_passages(times.0, times.1, &mut passages);
         let mut sections = Vec::new();
         MotionSection::append(&mut sections, &passages, times, 0.0);

@@ -20,7 +20,7 @@ pub use control::{Gains, Pid};
 pub use hull::{Drag, Hull};
 pub use imperfection::{ContactRule, Imperfection};
 pub use model::{DriveKind, Model, ModelError, Wheels};
-pub(crate) use motion::{DriveState, Passage};
+pub(crate) use motion::{DriveState, Passage, Passages};
 pub use motion::{Impact, Motion};
 pub use piece::{Cause, Piece, Rates, State};
 

@@ -5,6 +5,7 @@ mod legs;
 use std::{collections::VecDeque, ops::Range, sync::Arc};
 
 use glam::DVec2;
+use smallvec::SmallVec;
 
 use super::{
     HISTORY,
@@ -76,6 +77,9 @@ pub(crate) struct Passage {
     /// Heading of the robot at `start`.
     pub heading: Heading,
 }
+
+/// The passages of a body in a slot: usually one, which then needs no heap memory.
+pub(crate) type Passages = SmallVec<[Passage; 1]>;
 
 impl Passage {
     /// Seconds for which the disc has moved until `at`.
@@ -606,12 +610,13 @@ impl Motion {
         Some(plan)
     }
 
-    /// Address ranges of the heap memory that commands and queries access, with the place of the next stage.
-    pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
-        let (older, newer) = self.stages.as_slices();
-        [older, newer].map(|stages| {
-            let Range { start, end } = stages.as_ptr_range();
-            start.cast()..end.wrapping_add(1).cast()
+    /// Address ranges of the heap memory that commands and queries access: the heads of the earlier stages, the last stage
+    /// and, in most cases, the place of the next one.
+    pub(crate) fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
+        let earlier = self.stages.len() - 1;
+        self.stages.iter().enumerate().map(move |(index, stage)| {
+            let start = std::ptr::from_ref(stage).cast::<u8>();
+            start..start.wrapping_add(if index < earlier { Stage::HEAD_LEN } else { 2 * size_of::<Stage>() })
         })
     }
 
@@ -625,7 +630,7 @@ impl Motion {
 
     /// Fills `passages` with the passages of the body from `from` to `to`, in order; `until` of the last one is
     /// [`Time::NEVER`].
-    pub(crate) fn passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
+    pub(crate) fn passages(&mut self, from: Time, to: Time, passages: &mut Passages) {
         let mut index = self.index_at(from);
         self.index_at(to);
         // `index_at(to)` explores only the stage at `to`, so each earlier stage is explored here up to its successor.
@@ -641,7 +646,7 @@ impl Motion {
 
     /// Appends to `passages` the passages of the axle from `from` to `to` according to odometry, in the frame of
     /// odometry.
-    pub(crate) fn odometry_passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
+    pub(crate) fn odometry_passages(&mut self, from: Time, to: Time, passages: &mut Passages) {
         let first = self.index_at(from);
         self.index_at(to);
         let stages = self.stages.iter().skip(first).enumerate();

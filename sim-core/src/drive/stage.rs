@@ -1,5 +1,7 @@
 //! One stage of a plan: a piece of motion, the commands in force, and the walls that the body meets.
 
+use std::mem::offset_of;
+
 use glam::DVec2;
 
 use super::{
@@ -9,7 +11,7 @@ use super::{
     hull::Hull,
     imperfection::{ContactRule, DisturbedTwists, Vehicle},
     model::{DriveKind, Model},
-    motion::Passage,
+    motion::{Passage, Passages},
     piece::{Cause, Piece, Rates, State},
 };
 use crate::{
@@ -22,7 +24,7 @@ use crate::{
 
 /// A piece of motion, with the data from which the next stage is computed.
 ///
-/// The fields are laid out in this order: a query about an earlier instant reads the first four cache lines.
+/// The fields are laid out in this order: a query about an earlier instant reads only [`Stage::HEAD_LEN`] bytes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Stage {
@@ -115,10 +117,16 @@ impl Slowdown {
     pub const NONE: Self = Self { fraction: 1.0, obstacle: None };
 }
 
+// What a query about an earlier instant reads.
+const _: () = assert!(offset_of!(Stage, piece) + offset_of!(Piece, state) + size_of::<Pose>() <= Stage::HEAD_LEN);
+
 /// Length of the first search for walls, in seconds of motion; each further search reaches twice as far.
 const FIRST_SEARCH: f64 = 0.1;
 
 impl Stage {
+    /// Number of bytes at the start of a stage that a query about an earlier instant reads.
+    pub const HEAD_LEN: usize = 256;
+
     /// Stage that follows `commands` from `start` on. It begins with the robot in `state` and its wheels in
     /// `actuation_before`. If the robot would approach a body of `touching`, it is blocked at once.
     pub fn open(
@@ -224,7 +232,7 @@ impl Stage {
     }
 
     /// Appends the passages of the body from `from` to `to`; `until` is the start of the next stage.
-    pub fn passages(&self, from: Time, until: Time, to: Time, passages: &mut Vec<Passage>) {
+    pub fn passages(&self, from: Time, until: Time, to: Time, passages: &mut Passages) {
         let Piece { start, state, duration, .. } = self.piece;
         let heading = state.world_from_axle.heading;
         let stage_passage = Passage { start, begin: 0.0, until, end: duration, path: self.path, heading };

@@ -13,7 +13,7 @@ use super::{World, objects::Objects, track::passages_bounds};
 use crate::{
     RobotId,
     contact::{APPROACH, Body, MovingDisc, Obstacle, Path, TOUCH, Thing, first_touch},
-    drive::{DriveState, Impact, Model, Motion, Passage},
+    drive::{DriveState, Impact, Model, Motion, Passage, Passages},
     object::{GRAVITY, Pusher, STEP},
     parallel::{self, Pool},
     pose::Twist,
@@ -49,7 +49,7 @@ pub(super) struct TrueMotions {
 #[derive(Clone, Debug)]
 pub(super) struct SlotMotion {
     pub robot: RobotId,
-    passages: Vec<Passage>,
+    passages: Passages,
     /// Bounds of the body before any contact was resolved.
     bounds: Bounds,
     /// True if the body moves.
@@ -85,7 +85,7 @@ impl Default for SlotMotion {
     fn default() -> Self {
         Self {
             robot: RobotId(0),
-            passages: Vec::new(),
+            passages: Passages::new(),
             bounds: Bounds::EMPTY,
             is_moving: false,
             is_blocked: false,

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::{Lifetime, passage_at};
 use crate::{
-    drive::{HISTORY, Motion, Passage},
+    drive::{HISTORY, Motion, Passage, Passages},
     pose::Pose,
     scene::Bounds,
     time::Time,
@@ -17,7 +17,7 @@ use crate::{
 struct Publication {
     since: Time,
     /// Passages in the order of time, never empty. If they are not known, the first query computes them from `plan`.
-    passages: OnceLock<Vec<Passage>>,
+    passages: OnceLock<Passages>,
     /// The plan and the end of its slot, if the passages may not be known.
     plan: Option<(Box<Motion>, Time)>,
     /// Bounds of the centre while the publication was valid; set when the next publication replaces it.
@@ -25,13 +25,13 @@ struct Publication {
 }
 
 impl Publication {
-    fn new(since: Time, passages: Vec<Passage>) -> Self {
+    fn new(since: Time, passages: Passages) -> Self {
         Self { since, passages: OnceLock::from(passages), plan: None, past: Bounds::EMPTY }
     }
 
     fn passages(&self) -> &[Passage] {
         self.passages.get_or_init(|| {
-            let mut passages = Vec::new();
+            let mut passages = Passages::new();
             if let Some((plan, until)) = &self.plan {
                 Motion::clone(plan).passages(self.since, *until, &mut passages);
             }
@@ -55,8 +55,6 @@ pub(super) struct Track {
     bounds: Bounds,
     /// True if the body has been at rest throughout the published history.
     is_resting: bool,
-    /// Spare buffers for the passages of the next publications.
-    spares: Vec<Vec<Passage>>,
     /// Spare memory for the next plan.
     spare_plan: Option<Box<Motion>>,
 }
@@ -64,7 +62,7 @@ pub(super) struct Track {
 impl Track {
     /// Track of a body with the motion `motion`, published for the slot from `from` to `until`.
     pub fn new(motion: &mut Motion, lifetime: Lifetime, (from, until): (Time, Time)) -> Self {
-        let mut passages = Vec::new();
+        let mut passages = Passages::new();
         motion.passages(from, until, &mut passages);
         let publications = VecDeque::from([Publication::new(Time(i64::MIN), passages)]);
         Self {
@@ -75,7 +73,6 @@ impl Track {
             revision: motion.revision(),
             bounds: Bounds::EMPTY,
             is_resting: false,
-            spares: Vec::new(),
             spare_plan: None,
         }
     }
@@ -132,30 +129,19 @@ impl Track {
     fn drop_until(&mut self, from: Time) {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             let dropped = self.publications.pop_front().expect("more than one publication");
-            self.reuse(dropped.passages);
             self.spare_plan = dropped.plan.map(|(plan, _)| plan).or(self.spare_plan.take());
-        }
-    }
-
-    /// Keeps the memory of `passages` for the next publications. Passages that were computed from a plan were not
-    /// allocated from the spare buffers, so the number of spare buffers is limited.
-    fn reuse(&mut self, passages: OnceLock<Vec<Passage>>) {
-        const MAX_SPARES: usize = 16;
-        if self.spares.len() < MAX_SPARES {
-            self.spares.extend(passages.into_inner());
         }
     }
 
     /// Publishes the plan of `motion` for the slot from `since` to `until`.
     pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
-        let mut passages = self.spares.pop().unwrap_or_default();
+        let mut passages = Passages::new();
         motion.passages(since, until, &mut passages);
-        let is_same = passages == self.passages();
+        let is_same = passages[..] == *self.passages();
         let last = self.publications.back_mut().expect("a track has a publication");
         // The passages of the last publication are known now, so its plan is not needed.
         self.spare_plan = last.plan.take().map(|(plan, _)| plan).or(self.spare_plan.take());
         if is_same {
-            self.spares.push(passages);
             return;
         }
         self.is_resting = false;
@@ -164,8 +150,7 @@ impl Track {
             && next.begin_time() == present.begin_time()
         {
             // The plan is unchanged and only its published end is later, so the new publication replaces the last one.
-            let replaced = std::mem::replace(&mut last.passages, OnceLock::from(passages));
-            self.reuse(replaced);
+            last.passages = OnceLock::from(passages);
         } else {
             self.revision = motion.revision();
             last.past = passages_bounds(last.passages(), last.since.max(since - HISTORY), since);
