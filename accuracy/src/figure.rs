@@ -40,6 +40,8 @@ pub enum Mark {
     Dots,
     /// A line and dots.
     LineAndDots,
+    /// A dashed line and dots, for values of another origin.
+    DashedLineAndDots,
     /// A bar from 0 to each point, as wide as the distance between points: a histogram.
     Bars,
 }

@@ -3,6 +3,7 @@
 use accuracy::figure::{Figure, Mark, Scale, Series};
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use super::PlotError;
@@ -11,7 +12,8 @@ use super::canvas::{TEXT, TITLE, register_fonts};
 /// Width and height of a figure, in pixels.
 const SIZE: (u32, u32) = (860, 440);
 /// Colours legible on white and distinct with any kind of colour vision (Okabe and Ito).
-const COLOURS: [RGBColor; 7] = [
+/// The last two, for charts of many curves, are less distinct.
+const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -19,7 +21,13 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
+    RGBColor(136, 136, 136),
+    RGBColor(136, 34, 85),
 ];
+/// Length of a dash in pixels.
+const DASH: i32 = 7;
+/// Length of the gap after a dash in pixels.
+const GAP: i32 = 5;
 /// Width of the legend's column in pixels, to which the width of its longest name is added.
 const LEGEND: u32 = 34;
 /// Maximum number of powers of ten on a logarithmic axis.
@@ -76,7 +84,12 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
                 chart.draw_series([PathElement::new(part, colour.stroke_width(2))])?;
             }
         }
-        if matches!(series.mark, Mark::Dots | Mark::LineAndDots) {
+        if series.mark == Mark::DashedLineAndDots {
+            for part in finite_parts(points()) {
+                chart.draw_series([DashedPathElement::new(part, DASH, GAP, colour.stroke_width(2))])?;
+            }
+        }
+        if matches!(series.mark, Mark::Dots | Mark::LineAndDots | Mark::DashedLineAndDots) {
             let radius = match series.points.len() {
                 ..=60 => 3,
                 61..=200 => 2,
@@ -91,7 +104,13 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
         }
         if legend_width > 0 {
             let top = 36 + 20 * index as i32;
-            legend_area.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
+            if series.mark == Mark::DashedLineAndDots {
+                for left in [4, 13] {
+                    legend_area.draw(&Rectangle::new([(left, top + 3), (left + 5, top + 5)], colour.filled()))?;
+                }
+            } else {
+                legend_area.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
+            }
             legend_area.draw(&Text::new(series.name.as_str(), (24, top - 2), text.clone()))?;
         }
     }
@@ -247,7 +266,7 @@ mod tests {
         let extreme = vec![(0.0, 0.0), (f64::NAN, 1.0), (1e-300, 1e300), (-1.0, f64::INFINITY), (5.0, 5.0)];
         for points in [Vec::new(), vec![(1.0, 0.0)], vec![(1.0, 1.0), (2.0, 4.0)], extreme] {
             for scale in [Scale::Linear, Scale::Logarithmic] {
-                for mark in [Mark::Line, Mark::Dots, Mark::LineAndDots, Mark::Bars] {
+                for mark in [Mark::Line, Mark::Dots, Mark::LineAndDots, Mark::DashedLineAndDots, Mark::Bars] {
                     let svg = to_svg(&figure(points.clone(), scale, mark)).expect("a picture");
                     assert!(svg.contains("Title") && svg.ends_with("</svg>\n"), "{scale:?} {mark:?} {points:?}");
                 }

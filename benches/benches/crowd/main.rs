@@ -1,15 +1,15 @@
-//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, and robots that wait.
+//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, robots that wait, and a swarm beside
+//! other simulators.
 //!
 //! A custom harness: criterion would run each scene a hundred times and does not measure memory.
 #![forbid(unsafe_code)]
 
-use std::fs;
-use std::process::{Child, Stdio};
-use std::thread;
-use std::time::Duration;
+mod peers;
+mod run;
 
-use serde_json::Value;
-use tests::{Scratch, number, write_crowd};
+use tests::{Scratch, write_crowd};
+
+use run::{Run, run_with};
 
 /// The program of the crowds: reads eight PSDs, sets its speed, and waits for the next multiple of 50 ms.
 const AVOID: &str = "%sim%/example-programs/avoid";
@@ -43,15 +43,9 @@ fn main() {
     if is_wanted("crowd/swarm") {
         swarm(is_smoke_test);
     }
-}
-
-/// Time and memory of a run.
-#[derive(Clone, Copy)]
-struct Run {
-    simulated: f64,
-    real: f64,
-    /// Maximum resident memory in KiB, if the system reports it.
-    peak: Option<u64>,
+    if is_wanted("crowd/peers") {
+        peers::compare(is_smoke_test);
+    }
 }
 
 fn crowd(name: &str, robots: usize, seconds: f64, repeats: usize, alone: &mut Option<u64>) {
@@ -206,32 +200,4 @@ fn swarm(is_smoke_test: bool) {
 fn fastest(scratch: &Scratch, seconds: f64, repeats: usize) -> Run {
     let runs = (0..repeats).map(|_| run_with(scratch, &["crowd.sim"], seconds));
     runs.min_by(|a, b| a.real.total_cmp(&b.real)).expect("at least one run")
-}
-
-/// Runs a scene with these options for `seconds` of virtual time.
-fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
-    let until = seconds.to_string();
-    let mut all = vec!["run", "--until", &until, "--speed", "max", "--report", "r.json"];
-    all.extend(options);
-    let mut command = scratch.command(&all);
-    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("eyesim starts");
-    let peak = watch(&mut child);
-    let status = child.wait().expect("eyesim ends");
-    assert!(status.success(), "eyesim ends with {status}");
-    let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report is JSON");
-    Run { simulated: number(&report, "sim_time_s"), real: number(&report, "real_time_s"), peak }
-}
-
-/// Waits for the end of `child`; returns its maximum resident memory in KiB, as Linux reports it.
-fn watch(child: &mut Child) -> Option<u64> {
-    let path = format!("/proc/{}/status", child.id());
-    let mut peak = None;
-    while child.try_wait().expect("eyesim can be waited for").is_none() {
-        // A process that has ended has no memory any more, so the last reading counts.
-        let status = fs::read_to_string(&path).unwrap_or_default();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        peak = line.and_then(|line| line.split_whitespace().next()?.parse().ok()).or(peak);
-        thread::sleep(Duration::from_millis(2));
-    }
-    peak
 }
