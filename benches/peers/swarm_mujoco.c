@@ -158,7 +158,7 @@ static void append_robot(const Swarm *swarm, int robot)
   append("</body>");
 }
 
-/* Actuators that hold the speed of a wheel, with a time constant of about 70 ms. */
+/* Actuators that hold the speed of a wheel, with a time constant of about 80 ms. */
 static void append_motors(int robot)
 {
   append("<velocity joint='l%d' kv='0.003'/><velocity joint='r%d' kv='0.003'/>", robot, robot);

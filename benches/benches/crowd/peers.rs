@@ -208,7 +208,9 @@ fn compile(python: &OsStr, folder: &Path) -> Result<PathBuf, String> {
             Err(String::from_utf8_lossy(&output.stderr).trim().to_owned())
         }
     };
-    let script = "import importlib.util, mujoco, os; assert importlib.util.find_spec('irsim'), 'ir-sim is missing'; print(os.path.dirname(mujoco.__file__))";
+    let script = "import importlib.util, mujoco\n\
+                  assert importlib.util.find_spec('irsim'), 'ir-sim is missing'\n\
+                  print(mujoco.__path__[0])";
     let wheel = PathBuf::from(output(Command::new(python).args(["-c", script]))?);
     let entries = fs::read_dir(&wheel).map_err(|error| error.to_string())?;
     let library = entries
