@@ -54,7 +54,7 @@ const SIMULATORS: [Simulator; 9] = [
         steps: STEPS / 20.0,
     },
     Simulator { name: "MuJoCo planar", kind: Kind::MuJoCo(["planar", "library"]), max_robots: 10_000, steps: STEPS },
-    Simulator { name: "MuJoCo wheels", kind: Kind::MuJoCo(["wheels", "library"]), max_robots: 10_000, steps: STEPS },
+    Simulator { name: "MuJoCo wheels", kind: Kind::MuJoCo(["wheels", "library"]), max_robots: 1_000, steps: STEPS },
     Simulator { name: "ir-sim", kind: Kind::IrSim, max_robots: 1_000, steps: STEPS },
     Simulator {
         name: "MuJoCo planar, grid of ours",
