@@ -3,7 +3,6 @@
 //! The programs of the peers are in `benches/peers/`. `SWARM_PYTHON` names a Python with the wheels `mujoco`, `ir-sim` and `numpy`; without
 //! it only `eyesim` is measured. The plot is written to `target/swarm-peers.svg`, or to the path in `SWARM_PLOT`.
 
-use std::collections::HashMap;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -24,6 +23,8 @@ const SIZES: [usize; 5] = [1, 10, 100, 1_000, 10_000];
 const STEPS: f64 = 400_000.0;
 /// Maximum duration of a run of a peer, s.
 const LIMIT_S: f64 = 5.0;
+/// Number of robots whose mean speed is printed.
+const SPEED_ROBOTS: usize = 1_000;
 /// Slot, s.
 const SLOT_S: f64 = 0.05;
 
@@ -166,10 +167,10 @@ impl Measurement {
     }
 
     /// Multiple of real time of the median and of the fastest run.
-    fn times_real_time(&self) -> (f64, f64) {
+    fn times_real_time(&self) -> [f64; 2] {
         let mut times: Vec<f64> = self.runs.iter().map(|run| run.simulated / run.real).collect();
         times.sort_by(f64::total_cmp);
-        (times[times.len() / 2], times[times.len() - 1])
+        [times[times.len() / 2], times[times.len() - 1]]
     }
 
     /// Thousand robot-steps per second at a multiple of real time.
@@ -243,43 +244,38 @@ fn run_peer(command: &mut Command) -> (Run, Option<f64>) {
     (run, result["overlap_mm"].as_f64())
 }
 
+/// Prints a row for each simulator, with the median and the fastest run for each number of robots.
 fn print_table(measurements: &[Measurement]) {
-    let alone: HashMap<_, _> =
-        measurements.iter().filter(|m| m.robots == 1).map(|m| (m.simulator, m.memory())).collect();
-    println!(
-        "| simulator | robots | 1,000 robot-steps/s, median | fastest | times real time | KiB per further robot | mean speed, m/s | \
-         overlap, mm |\n|---|---|---|---|---|---|---|---|"
-    );
-    for simulator in &SIMULATORS {
-        for measurement in measurements.iter().filter(|measurement| measurement.simulator == simulator.name) {
-            let robots = measurement.robots;
-            let (median, fastest) = measurement.times_real_time();
-            let first = alone.get(simulator.name).copied().flatten();
-            let each = measurement.memory().zip(first).filter(|_| robots > 1);
-            let each = each.map_or(String::new(), |(all, first)| {
-                format!("{:.1}", all.saturating_sub(first) as f64 / (robots - 1) as f64)
-            });
-            let overlap = measurement.overlap_mm.map_or("none".to_owned(), |overlap| format!("{overlap:.1}"));
-            println!(
-                "| {} | {robots} | {} | {} | {} | {each} | {:.3} | {overlap} |",
-                simulator.name,
-                short(measurement.thousand_steps(median)),
-                short(measurement.thousand_steps(fastest)),
-                short(median),
-                measurement.runs[0].speed
-            );
-        }
-        if simulator.max_robots < SIZES[SIZES.len() - 1] && measurements.iter().any(|m| m.simulator == simulator.name) {
-            println!("| {} | more than {} | not run | | | | | |", simulator.name, simulator.max_robots);
-        }
+    let sizes = SIZES.map(|robots| format!(" {robots} |")).concat();
+    println!("| 1,000 robot-steps/s, median (fastest) |{sizes} KiB per further robot | overlap, mm |");
+    println!("|---|{}---|---|", "---|".repeat(SIZES.len()));
+    for Simulator { name, max_robots, .. } in &SIMULATORS {
+        let of_size = |robots| measurements.iter().find(|it| it.simulator == *name && it.robots == robots);
+        let Some(alone) = of_size(1) else { continue };
+        let cell = |robots| match of_size(robots) {
+            Some(measurement) => {
+                let [median, fastest] = measurement.times_real_time().map(|times| measurement.thousand_steps(times));
+                format!(" {} ({}) |", short(median), short(fastest))
+            }
+            None if robots > *max_robots => " not run |".to_owned(),
+            None => " |".to_owned(),
+        };
+        let cells = SIZES.map(cell).concat();
+        let memory = SIZES.iter().rev().find_map(|robots| {
+            let further = (*robots > 1).then(|| robots - 1)?;
+            Some(of_size(*robots)?.memory()?.saturating_sub(alone.memory()?) as f64 / further as f64)
+        });
+        let overlaps = SIZES.iter().filter_map(|robots| of_size(*robots)?.overlap_mm);
+        let overlap = overlaps.reduce(f64::max).map_or("none".to_owned(), |overlap| format!("{overlap:.1}"));
+        println!("| {name} |{cells} {} | {overlap} |", memory.map_or(String::new(), short));
     }
     for (name, figures) in QUOTED {
-        for (robots, (low, high)) in SIZES.into_iter().zip(figures) {
-            let range = if low < high { format!("{low} to {high}") } else { low.to_string() };
-            let times = short(low * 1e3 * SLOT_S / robots as f64);
-            println!("| {name}, quoted | {robots} | {range} | | {times} | | | |");
-        }
+        let range = |(low, high)| if low < high { format!(" {low} to {high} |") } else { format!(" {low} |") };
+        println!("| {name}, quoted |{} | | |", figures.map(range).concat());
     }
+    let speeds = measurements.iter().filter(|it| it.robots == SPEED_ROBOTS);
+    let speeds = speeds.map(|it| format!("{}: {:.3}", it.simulator, it.runs[0].speed)).collect::<Vec<_>>();
+    println!("mean speed of {SPEED_ROBOTS} robots, m/s: {}", speeds.join("; "));
 }
 
 /// A number with about three digits.
@@ -299,7 +295,7 @@ fn write_plot(measurements: &[Measurement]) {
     let mut series: Vec<Series> = Vec::new();
     for simulator in &SIMULATORS {
         let runs = measurements.iter().filter(|measurement| measurement.simulator == simulator.name);
-        let points: Vec<_> = runs.map(|m| (m.robots as f64, 1e3 * m.thousand_steps(m.times_real_time().0))).collect();
+        let points: Vec<_> = runs.map(|m| (m.robots as f64, 1e3 * m.thousand_steps(m.times_real_time()[0]))).collect();
         if !points.is_empty() {
             series.push(Series { name: simulator.name.to_owned(), mark: Mark::LineAndDots, points });
         }
