@@ -404,6 +404,15 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
         "{ran:#?}"
     );
 
+    // The digests of an earlier version cannot be compared.
+    scratch.write("old.jsonl", &trace.replace("\"digest_version\":2,", ""));
+    let ran = verify(&scratch, "old.jsonl", &[]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(
+        ran.stderr.contains("the digests of `old.jsonl` have version 1, those of this eyesim version 2"),
+        "{ran:#?}"
+    );
+
     // In another working folder, eyesim finds the scene beside the trace.
     let elsewhere = Scratch::new();
     let path = scratch.path().join("trace.jsonl");

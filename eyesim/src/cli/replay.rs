@@ -13,7 +13,7 @@ use clap::Args;
 use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::build;
-use sim_core::record::{Action, Digest, KindSet, Record};
+use sim_core::record::{Action, Digest, KindSet, Record, digest};
 use sim_core::spec::{ObjectSpec, RobotSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
@@ -177,6 +177,14 @@ fn current_inputs(recorded: &Recorded) -> Vec<Input> {
 fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let recorded = Recorded::read(&args.trace)?;
     let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
+    ensure!(
+        recorded.digest_version == u64::from(digest::VERSION),
+        "the digests of `{}` have version {}, those of this eyesim version {}: record the run again (`eyesim diff` compares events of \
+         two traces)",
+        args.trace.display(),
+        recorded.digest_version,
+        digest::VERSION
+    );
     let ready = match run::build(run::open(&run)?, &run)?.load() {
         Err(Error::Load(why)) => {
             say(format_args!("error: {why}"));

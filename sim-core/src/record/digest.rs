@@ -17,7 +17,10 @@ use crate::time::Time;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Name and version of the construction; change the version with every change of the construction or of the events.
+/// Version of the construction; changes with every change of the construction or of the events.
+pub const VERSION: u32 = 2;
+
+/// Name and version of the construction.
 const DOMAIN: &[u8] = b"eyesim record 2";
 
 /// A 256-bit hash of everything recorded so far.

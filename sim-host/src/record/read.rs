@@ -102,6 +102,7 @@ pub struct TraceReader<R> {
     path: PathBuf,
     header: TraceHeader,
     version: String,
+    digest_version: u64,
     line: u64,
     bytes: Vec<u8>,
     has_ended: bool,
@@ -158,7 +159,8 @@ impl<R: BufRead> TraceReader<R> {
     pub fn new(input: R, path: &Path) -> Result<Self, TraceError> {
         let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![], only: vec![] };
         let path = path.to_owned();
-        let mut reader = Self { input, path, header, version: String::new(), line: 0, bytes: vec![], has_ended: false };
+        let (version, digest_version, line) = (String::new(), 0, 0);
+        let mut reader = Self { input, path, header, version, digest_version, line, bytes: vec![], has_ended: false };
         let no_trace =
             |reader: &Self, why: &str| TraceError::NoTrace { path: reader.path.clone(), why: why.to_owned() };
         match reader.read_line() {
@@ -173,6 +175,8 @@ impl<R: BufRead> TraceReader<R> {
             return Err(no_trace(&reader, "its first line is no `header`"));
         }
         let version = value["eyesim_version"].as_str().unwrap_or("?").to_owned();
+        // The first version was not written.
+        let digest_version = value["digest_version"].as_u64().unwrap_or(1);
         match value["schema"].as_u64() {
             Some(schema) if schema == u64::from(TRACE_SCHEMA) => {}
             Some(schema) => return Err(TraceError::Schema { path: reader.path, schema, version }),
@@ -183,7 +187,7 @@ impl<R: BufRead> TraceReader<R> {
         if header.slot_us <= 0 {
             return Err(no_trace(&reader, "its header is wrong: a slot has a length"));
         }
-        (reader.header, reader.version) = (header, version);
+        (reader.header, reader.version, reader.digest_version) = (header, version, digest_version);
         Ok(reader)
     }
 
@@ -257,6 +261,8 @@ pub struct Recorded {
     pub header: TraceHeader,
     /// Version of the program that recorded it.
     pub version: String,
+    /// [Version](sim_core::record::digest::VERSION) of its digests.
+    pub digest_version: u64,
     /// User interventions, in order.
     pub interventions: Vec<(Time, Action)>,
     /// Ends of the slots with events, and the digests up to them.
@@ -281,9 +287,11 @@ impl Recorded {
     /// # Errors
     /// [`TraceError`] for an invalid line.
     pub fn of<R: BufRead>(mut reader: TraceReader<R>) -> Result<Self, TraceError> {
-        let (header, version) = (reader.header().clone(), reader.version().to_owned());
+        let (header, version, digest_version) =
+            (reader.header().clone(), reader.version().to_owned(), reader.digest_version);
         let (interventions, slots) = (Vec::new(), Vec::new());
-        let mut recorded = Self { header, version, interventions, slots, end: None, is_interrupted: false };
+        let mut recorded =
+            Self { header, version, digest_version, interventions, slots, end: None, is_interrupted: false };
         while let Some(line) = reader.next_line()? {
             match line {
                 Line::Slot { end, digest } => {

@@ -12,7 +12,7 @@ use super::file::RecordFile;
 use super::report::Input;
 use super::sink::{RecordError, Sink};
 use super::zstd;
-use sim_core::record::{Digest, Kind, KindSet, Record};
+use sim_core::record::{Digest, Kind, KindSet, Record, digest};
 
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
@@ -142,6 +142,7 @@ enum ControlLine<'a> {
     Header {
         schema: u32,
         eyesim_version: &'static str,
+        digest_version: u32,
         #[serde(flatten)]
         header: &'a TraceHeader,
     },
@@ -157,7 +158,8 @@ enum ControlLine<'a> {
 
 impl<'a> ControlLine<'a> {
     fn header(header: &'a TraceHeader) -> Self {
-        Self::Header { schema: TRACE_SCHEMA, eyesim_version: env!("CARGO_PKG_VERSION"), header }
+        let eyesim_version = env!("CARGO_PKG_VERSION");
+        Self::Header { schema: TRACE_SCHEMA, eyesim_version, digest_version: digest::VERSION, header }
     }
 }
 
