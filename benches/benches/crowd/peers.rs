@@ -66,7 +66,7 @@ const SIMULATORS: [Simulator; 9] = [
     Simulator {
         name: "MuJoCo wheels, grid of ours",
         kind: Kind::MuJoCo(["wheels", "grid"]),
-        max_robots: 10_000,
+        max_robots: 1_000,
         steps: STEPS,
     },
 ];
