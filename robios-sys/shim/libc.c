@@ -45,6 +45,7 @@ enum {
 enum { MAX_OUTPUT = 4096 };
 
 struct results {
+    char head[16]; /* zero, so that `free` of a result is recognised */
     struct tm calendar;
     char calendar_text[64];
     char digits[400];
@@ -1483,23 +1484,27 @@ static char *rest_of_text;
 
 LIBC(char *, strtok, (char *text, const char *separators)) { return strtok_r(text, separators, &rest_of_text); }
 
-LIBC(struct tm *, gmtime, (const time_t *at))
+static struct tm *calendar_of(const time_t *at)
 {
     struct results *own = own_results();
     return own == NULL ? NULL : gmtime_r(at, &own->calendar);
 }
-LIBC(struct tm *, localtime, (const time_t *at)) { return libc_gmtime(at); }
-LIBC(struct tm *, localtime_r, (const time_t *at, struct tm *to)) { return gmtime_r(at, to); }
-LIBC(time_t, mktime, (struct tm * from)) { return timegm(from); }
-LIBC(char *, asctime, (const struct tm *from))
+
+static char *calendar_text_of(const struct tm *from)
 {
     struct results *own = own_results();
     return own == NULL ? NULL : asctime_r(from, own->calendar_text);
 }
+
+LIBC(struct tm *, gmtime, (const time_t *at)) { return calendar_of(at); }
+LIBC(struct tm *, localtime, (const time_t *at)) { return calendar_of(at); }
+LIBC(struct tm *, localtime_r, (const time_t *at, struct tm *to)) { return gmtime_r(at, to); }
+LIBC(time_t, mktime, (struct tm * from)) { return timegm(from); }
+LIBC(char *, asctime, (const struct tm *from)) { return calendar_text_of(from); }
 LIBC(char *, ctime, (const time_t *at))
 {
     struct tm broken;
-    return gmtime_r(at, &broken) == NULL ? NULL : libc_asctime(&broken);
+    return gmtime_r(at, &broken) == NULL ? NULL : calendar_text_of(&broken);
 }
 LIBC(char *, ctime_r, (const time_t *at, char *to))
 {

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 /// Number of items in a section of a loop.
-pub const SECTION: usize = 8;
+const SECTION: usize = 8;
 
 /// Threads that run loops.
 pub trait Pool {
@@ -18,7 +18,7 @@ pub trait Pool {
 impl dyn Pool + '_ {
     /// Calls `act` once for each section of `items`, in any order and in parallel. A section has [`SECTION`] items; the last one may have
     /// fewer. Returns when all calls have returned.
-    pub fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
+    fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
         let count = items.len().div_ceil(SECTION);
         if !self.is_parallel(count) {
             return items.chunks_mut(SECTION).for_each(act);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
+use sim_core::record::digest;
 use sim_format::{Diagnostic, Severity};
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::files::slashed;
@@ -306,7 +307,8 @@ impl Grader {
             hasher.update(&(text.len() as u64).to_le_bytes());
             hasher.update(text.as_bytes());
         };
-        add(&format!("eyesim {} {SCHEMA} {}", env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA));
+        let (version, row_schema) = (env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA);
+        add(&format!("eyesim {version} {SCHEMA} {row_schema} {}", digest::VERSION));
         add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden_seeds, self.may_run_checks));
         add(self.sandbox.level().word());
         for (path, sha256) in inputs {

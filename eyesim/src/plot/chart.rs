@@ -11,8 +11,7 @@ use super::canvas::{TEXT, TITLE, register_fonts};
 
 /// Width and height of a figure, in pixels.
 const SIZE: (u32, u32) = (860, 440);
-/// Colours legible on white and distinct with any kind of colour vision (Okabe and Ito).
-/// The last two, for charts of many curves, are less distinct.
+/// Colours legible on white: seven that are distinct with any kind of colour vision (Okabe and Ito), then two less distinct ones.
 const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 use sim_core::build;
-use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record};
+use sim_core::record::{Digest, Event, Kind, KindSet, Outcome, Record, digest};
 use sim_core::time::Time;
 use sim_format::suite::check_of_suite;
 use sim_format::{Diagnostic, Severity};
@@ -405,7 +405,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
         hasher.update(&(text.len() as u64).to_le_bytes());
         hasher.update(text.as_bytes());
     };
-    add(format!("eyesim {} {ROW_SCHEMA}", env!("CARGO_PKG_VERSION")));
+    add(format!("eyesim {} {ROW_SCHEMA} {}", env!("CARGO_PKG_VERSION"), digest::VERSION));
     add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
     settings.iter().for_each(|setting| add(setting.to_string()));
     programs.iter().for_each(|program| add(program.with_program(&relative_name(program.program())).to_string()));

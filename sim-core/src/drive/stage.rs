@@ -24,7 +24,7 @@ use crate::{
 
 /// A piece of motion, with the data from which the next stage is computed.
 ///
-/// The fields are laid out in this order: a query about an earlier instant reads only [`Stage::HEAD_LEN`] bytes.
+/// The fields are laid out in this order, so that the search for a stage and its path at an instant read few cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Stage {
@@ -117,14 +117,13 @@ impl Slowdown {
     pub const NONE: Self = Self { fraction: 1.0, obstacle: None };
 }
 
-// What a query about an earlier instant reads.
-const _: () = assert!(offset_of!(Stage, piece) + offset_of!(Piece, state) + size_of::<Pose>() <= Stage::HEAD_LEN);
+const _: () = assert!(offset_of!(Stage, piece.state.world_from_axle) + size_of::<Pose>() <= Stage::HEAD_LEN);
 
 /// Length of the first search for walls, in seconds of motion; each further search reaches twice as far.
 const FIRST_SEARCH: f64 = 0.1;
 
 impl Stage {
-    /// Number of bytes at the start of a stage that a query about an earlier instant reads.
+    /// Length of the start of a stage, with its path, its start and the pose there.
     pub const HEAD_LEN: usize = 256;
 
     /// Stage that follows `commands` from `start` on. It begins with the robot in `state` and its wheels in

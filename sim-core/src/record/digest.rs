@@ -22,6 +22,7 @@ pub const VERSION: u32 = 2;
 
 /// Name and version of the construction.
 const DOMAIN: &[u8] = b"eyesim record 2";
+const _: () = assert!(DOMAIN[DOMAIN.len() - 1] == b'0' + VERSION as u8);
 
 /// A 256-bit hash of everything recorded so far.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -73,7 +74,7 @@ const SLOT_END: u32 = u32::MAX;
 /// Computes the digest of a run.
 #[derive(Clone, Debug)]
 pub struct RunDigest {
-    /// Hasher of the run's bytes before `pending`, a multiple of [`BATCH_LEN`].
+    /// Hasher of the run's bytes before `pending`.
     hasher: Box<blake3::Hasher>,
     /// The bytes of the run that are not hashed yet, fewer than [`BATCH_LEN`].
     pending: Vec<u8>,
@@ -120,9 +121,18 @@ impl RunDigest {
         self.pending.extend_from_slice(bytes);
     }
 
-    /// Digest after the last ended slot. Computing it takes some microseconds.
+    /// Digest after the last ended slot. Computing it takes some microseconds. Must not be called while a slot ends.
     pub fn value(&self) -> Digest {
-        let mut hasher = self.hasher.clone();
+        debug_assert!(!self.has_events, "the slot has not ended");
+        let mut hasher = (*self.hasher).clone();
         Digest(*hasher.update(&self.pending).finalize().as_bytes())
+    }
+
+    /// Same as [`Self::value`], but hashes the pending bytes for good: faster if the digest is needed after each slot.
+    pub fn update_value(&mut self) -> Digest {
+        debug_assert!(!self.has_events, "the slot has not ended");
+        let digest = Digest(*self.hasher.update(&self.pending).finalize().as_bytes());
+        self.pending.clear();
+        digest
     }
 }

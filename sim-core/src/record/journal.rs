@@ -30,7 +30,7 @@ pub(super) struct SlotEvents {
     notes: Vec<u8>,
     entries: Vec<EventPosition>,
     first_sequence: u64,
-    pub(super) kinds: KindSet,
+    kinds: KindSet,
 }
 
 /// Position of an event in [`SlotEvents`].

@@ -86,9 +86,14 @@ impl Recorder {
         Ok(has_changed)
     }
 
-    /// Digest of the run up to the last ended slot. Computing it takes some microseconds.
+    /// Digest of the run up to the last ended slot. Must not be called between [`Self::collect`] and [`Self::end_slot`].
     pub fn digest(&self) -> Digest {
         self.digest.value()
+    }
+
+    /// Same as [`Self::digest`]; faster if the digest is needed after each slot.
+    pub fn update_digest(&mut self) -> Digest {
+        self.digest.update_value()
     }
 }
 

@@ -228,7 +228,8 @@ impl Environment {
         record_objects(journal, world, at, world.moved_objects().iter().copied());
         recorder.collect(journal);
         for ((robot, id), is_active) in robots.iter_mut().zip(&self.affected).zip(&self.is_active) {
-            if if has_stances { robot.end_slot(Some(world), at) } else { *is_active } {
+            let is_active = if has_stances { robot.end_slot(Some(world), at) } else { *is_active };
+            if is_active {
                 self.moving.push(*id);
             }
             recorder.collect(&mut robot.journal);

@@ -55,7 +55,7 @@ pub trait Sink: Send {
     /// If the record cannot be stored.
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError>;
 
-    /// Returns true if the sink needs the digest after each slot, which takes some microseconds a slot; constant during a run.
+    /// Returns true if the sink needs the digest after each slot, which takes time; constant during a run.
     fn needs_digests(&self) -> bool {
         false
     }
@@ -144,7 +144,7 @@ impl<'s> Sinks<'s> {
     /// The first error of a sink; its record of the slot is then incomplete.
     pub fn take_slot(&mut self, recorder: &mut Recorder, end: Time) -> Result<(), RecordError> {
         let has_changed = recorder.end_slot(end, |record| self.record(record))?;
-        self.end_slot(end, (has_changed && self.needs_digests).then(|| recorder.digest()))
+        self.end_slot(end, (has_changed && self.needs_digests).then(|| recorder.update_digest()))
     }
 
     /// Completes the record at the end of the run, `time`; returns the digest, and the error if the record is incomplete.

@@ -229,14 +229,7 @@ fn pictures_match_the_reference_renderer() {
 fn levels() -> Vec<Level> {
     let mut levels = vec![Level::fallback(), Level::baseline(), Level::new()];
     #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        [
-            Level::new().as_sse4_2().map(fearless_simd::Simd::level),
-            Level::new().as_avx2().map(fearless_simd::Simd::level),
-        ]
-        .into_iter()
-        .flatten(),
-    );
+    levels.extend(Level::new().as_avx2().map(fearless_simd::Simd::level));
     levels
 }
 

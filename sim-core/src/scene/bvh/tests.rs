@@ -85,14 +85,7 @@ struct Levels {
 fn levels(triangles: &[Triangle]) -> Levels {
     let mut levels = vec![Level::fallback(), Level::baseline(), Level::new()];
     #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        [
-            Level::new().as_sse4_2().map(fearless_simd::Simd::level),
-            Level::new().as_avx2().map(fearless_simd::Simd::level),
-        ]
-        .into_iter()
-        .flatten(),
-    );
+    levels.extend(Level::new().as_avx2().map(fearless_simd::Simd::level));
     let indices = levels.into_iter().map(|level| MeshIndex::at_level(triangles, level)).collect();
     Levels { triangles: triangles.to_vec(), indices }
 }
