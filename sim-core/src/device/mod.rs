@@ -21,13 +21,18 @@ use crate::noise::{CompassErrors, Profile};
 use crate::spec::RobiSpec;
 use crate::time::Time;
 
-/// The devices of one robot.
+/// The devices of one robot. The fields are laid out in this order: those that most readings access come first, side by side.
 #[derive(Clone, Debug, Default)]
+#[repr(C)]
 pub struct Devices {
-    /// Geometry and noise models of the range sensors and the scanner.
-    pub ranges: range::Ranges,
     /// The driver that measures with range sensors in cycles.
     pub psds: psd::Psds,
+    /// Geometry and noise models of the range sensors and the scanner.
+    pub ranges: range::Ranges,
+    /// Sensors that are switched off.
+    pub switches: switch::Switches,
+    /// The compass.
+    pub compass: compass::Compass,
     /// The scanner with the fan of rays that a program has set; `None` while the settings of the robi apply.
     pub scanner: Option<range::Scanner>,
     /// Motor commands, in percent of the motors' maximum rate.
@@ -36,16 +41,12 @@ pub struct Devices {
     pub encoders: encoder::Encoders,
     /// Servos.
     pub servos: servo::Servos,
-    /// The compass.
-    pub compass: compass::Compass,
     /// The camera.
     pub camera: camera::Camera,
     /// Presses of the keys below the display and touches of the display.
     pub keys: key::InputQueue,
     /// Presses of the keys of a remote control.
     pub remote: key::InputQueue,
-    /// Sensors that are switched off.
-    pub switches: switch::Switches,
 }
 
 impl Devices {

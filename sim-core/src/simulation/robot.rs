@@ -31,32 +31,35 @@ use super::Placement;
 ///
 /// During a slot a robot changes only its own state, at its own virtual time, and reads the world as published at the
 /// start of the slot.
+///
+/// The fields are laid out in this order: those that the end of each slot and most calls access come first, side by side.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Robot {
     /// Id of the robot.
     pub id: RobotId,
+    /// True once the robot has been removed from the world.
+    pub is_removed: bool,
     /// Virtual time: the end of the last call, or the start of the call in progress.
     pub now: Time,
-    /// Pose and motion.
-    pub motion: Motion,
-    /// Robot type, from the robi file.
-    pub spec: Arc<RobiSpec>,
-    /// Events of the present slot.
-    pub journal: Journal,
-    /// Devices.
-    pub devices: Devices,
     /// Radio; `None` until it is first switched on.
     pub station: Option<Box<Station>>,
     /// Placements that the robot has requested in the present slot, in the order of the requests.
     pub placements: Vec<Placement>,
-    /// True once the robot has been removed from the world.
-    pub is_removed: bool,
+    /// Last recorded pose.
+    recorded_pose: Option<Pose>,
+    /// Events of the present slot.
+    pub journal: Journal,
+    /// Pose and motion.
+    pub motion: Motion,
+    /// Devices.
+    pub devices: Devices,
+    /// Robot type, from the robi file.
+    pub spec: Arc<RobiSpec>,
     /// Noise models of devices, drive and radio.
     noise: Profile,
     /// Seed of the run.
     seed: u64,
-    /// Last recorded pose.
-    recorded_pose: Option<Pose>,
     /// Recorded posture and contacts of a robot with legs or in the water.
     pub walk: WalkRecord,
     /// Detects that the robot leaves the floor; `None` in a world without a floor.

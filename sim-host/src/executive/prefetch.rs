@@ -11,7 +11,7 @@ const LINE: usize = 64;
 /// mapped are allowed.
 #[inline]
 pub fn prefetch(addresses: Range<*const u8>) {
-    let mut line = addresses.start;
+    let mut line = addresses.start.map_addr(|address| address & !(LINE - 1));
     while line < addresses.end {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a prefetch reads nothing and never faults.

@@ -1,5 +1,6 @@
 //! State that the flows of a run share (robots, world, run queues), and the functions that the flows execute.
 
+use std::ops::Range;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, Ordering};
 use std::sync::{Arc, Weak};
@@ -107,8 +108,8 @@ impl Member {
         let robot: *const u8 = self.robot.data_ptr().cast_const().cast();
         // The lock lies beside the robot.
         prefetch(ptr::from_ref(&self.robot).cast()..robot);
-        for (offset, size) in Robot::HOT_FIELDS {
-            prefetch(robot.wrapping_add(offset)..robot.wrapping_add(offset + size));
+        for Range { start, end } in Robot::HOT_FIELDS {
+            prefetch(robot.wrapping_add(start)..robot.wrapping_add(end));
         }
     }
 

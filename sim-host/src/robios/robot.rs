@@ -1,18 +1,16 @@
 //! One robot of a run: the robot of the simulation, and the state, waits and ending of its running program.
 
 use std::mem::offset_of;
-use std::ops::{Deref, DerefMut};
+use std::ops::{Deref, DerefMut, Range};
 
 use robios_sys::{Robios6Call, SupportCall};
-use sim_core::device::{compass::Compass, psd::Psds, range::Ranges, switch::Switches};
-use sim_core::drive::Motion;
-use sim_core::record::Journal;
 use sim_core::simulation;
 use sim_core::time::Time;
 
 use super::Robios;
 use super::call::Call;
 use super::handle::Handles;
+use super::storage::Storage;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
@@ -42,20 +40,25 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Offset and size of each field that most calls touch; a caller may prefetch it.
-    pub const HOT_FIELDS: [(usize, usize); 11] = [
-        (offset_of!(Robot, state.motion), size_of::<Motion>()),
-        (offset_of!(Robot, state.journal), size_of::<Journal>()),
-        (offset_of!(Robot, state.now), size_of::<Time>()),
-        (offset_of!(Robot, state.devices.psds), size_of::<Psds>()),
-        (offset_of!(Robot, state.devices.ranges), size_of::<Ranges>()),
-        (offset_of!(Robot, state.devices.compass), size_of::<Compass>()),
-        (offset_of!(Robot, state.devices.switches), size_of::<Switches>()),
-        (offset_of!(Robot, robios.psds), size_of::<Handles>()),
-        (offset_of!(Robot, robios.vw), size_of::<vw::Vw>()),
-        (offset_of!(Robot, timers), size_of::<Timers>()),
-        (offset_of!(Robot, tasks), size_of::<Tasks>()),
+    /// Offsets of the fields that most calls access; a caller may prefetch them.
+    pub const HOT_FIELDS: [Range<usize>; 6] = [
+        offset_of!(Robot, state)..offset_of!(Robot, state.devices.scanner),
+        range_of(offset_of!(Robot, robios.psds), size_of::<Handles>()),
+        range_of(offset_of!(Robot, robios.vw), size_of::<vw::Vw>()),
+        range_of(offset_of!(Robot, robios.storage), size_of::<Storage>()),
+        range_of(offset_of!(Robot, timers), size_of::<Timers>()),
+        range_of(offset_of!(Robot, tasks), size_of::<Tasks>()),
     ];
+
+    /// Address ranges of the heap memory that most calls access; a caller may prefetch it.
+    pub fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
+        self.state.hot_memory().chain([self.tasks.hot_memory()])
+    }
+}
+
+/// Range of a field's bytes.
+const fn range_of(offset: usize, size: usize) -> Range<usize> {
+    offset..offset + size
 }
 
 impl Deref for Robot {

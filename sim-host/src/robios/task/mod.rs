@@ -11,6 +11,7 @@ pub mod scheduler;
 pub mod semaphore;
 
 use std::fmt;
+use std::ops::Range;
 
 use robios_sys::robios6::IDLE_PRI;
 use robios_sys::support::wait;
@@ -158,6 +159,12 @@ impl Task {
 }
 
 impl Tasks {
+    /// Addresses of the running task.
+    pub fn hot_memory(&self) -> Range<*const u8> {
+        let Range { start, end } = std::slice::from_ref(self.current()).as_ptr_range();
+        start.cast()..end.cast()
+    }
+
     /// The running task.
     pub fn current(&self) -> &Task {
         &self.list[self.current]
