@@ -91,6 +91,24 @@ fn a_division_by_zero_and_a_wild_pointer_are_told() {
     assert!(reason(&report).contains("VWGetPosition"), "{}", reason(&report));
 }
 
+/// On a fiber, the call fills the picture on the stack of the worker, above which there is no frame of the program.
+#[test]
+fn a_picture_into_a_wild_pointer_names_the_line_of_the_call() {
+    let scratch = Scratch::new();
+    scratch.write(
+        "broken.c",
+        "#include \"eyebot.h\"\nint main(void) {\n    CAMInit(QVGA);\n    OSWait(10);\n    CAMGet((BYTE *)4096);\n    return 0;\n}\n",
+    );
+    let scene = write_scene(&scratch, &["broken.c"]);
+    let robi = scratch.read("bot.robi") + "camera 60 0 60 0 0 320 240\n";
+    scratch.write("bot.robi", &robi);
+    for exec in ["fiber", "thread"] {
+        let report = scratch.report(scene.to_str().expect("UTF-8"), &["--exec", exec], 1);
+        let reason = report["robots"][0]["reason"].as_str().expect("a reason");
+        assert!(reason.contains("segmentation fault") && reason.contains("broken.c:5, last"), "{exec}: {reason}");
+    }
+}
+
 #[test]
 fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
     let scratch = Scratch::new();

@@ -9,9 +9,9 @@ use sim_core::RobotId;
 use sim_core::time::Time;
 use sim_core::world::World;
 
-use super::program_status;
 use super::run::{Member, Run};
 use super::signal::FlowBlock;
+use super::{fiber, program_status};
 use crate::program::site::Site;
 use crate::robios::call::Call;
 use crate::robios::flow::Flow;
@@ -62,6 +62,11 @@ impl Flow for RobotFlow {
 
     fn suspend(&self, wake: Time) -> Result<(), Stop> {
         self.run.suspend(self.id, wake)
+    }
+
+    #[inline]
+    fn run_effect(&self, effect: &mut dyn FnMut()) {
+        fiber::run_on_host_stack(effect);
     }
 
     #[inline]

@@ -30,6 +30,8 @@ pub struct FlowBlock {
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
+    /// Stack pointer of a fiber at its last call that ran on the stack of its worker; 0 before the first.
+    pub caller_sp: AtomicUsize,
     /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
     /// Id of the RoBIOS call in progress or, in the program's own code, of the last call; `u16::MAX` before the first
@@ -157,6 +159,7 @@ impl FlowBlock {
         Self {
             tid: AtomicI32::new(0),
             stack: Default::default(),
+            caller_sp: AtomicUsize::new(0),
             releases: AtomicU64::new(0),
             last_call: AtomicU16::new(u16::MAX),
             in_host: AtomicBool::new(false),
@@ -269,7 +272,11 @@ impl FlowBlock {
         self.fault_code.store(fault.code, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
-        self.fault_sp.store(fault.sp, Ordering::Relaxed);
+        // Within a call that runs on the worker's stack, the frames of the program are those above the call.
+        let [low, high] = self.stack_bounds();
+        let caller_sp = self.caller_sp.load(Ordering::Relaxed);
+        let is_on_worker = caller_sp != 0 && self.in_host.load(Ordering::Relaxed) && !(low..high).contains(&fault.sp);
+        self.fault_sp.store(if is_on_worker { caller_sp } else { fault.sp }, Ordering::Relaxed);
         self.store_unfinished();
     }
 

@@ -76,7 +76,7 @@ impl<F: Flow> Caller<F> {
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            act(&mut robot, caller.flow.world());
+            caller.flow.run_effect(&mut || act(&mut robot, caller.flow.world()));
             caller.note_hints(&mut robot, None);
             caller.take_turns(robot, call)
         })

@@ -43,6 +43,9 @@ pub trait Flow: Send + Sync + 'static {
     /// [`Stop`] if the program must end.
     fn suspend(&self, wake: Time) -> Result<(), Stop>;
 
+    /// Runs the effect of a call of this flow. `effect` does not suspend the flow.
+    fn run_effect(&self, effect: &mut dyn FnMut());
+
     /// Returns true once the program must end: calls then return [`Stop`].
     fn is_exiting(&self) -> bool;
 

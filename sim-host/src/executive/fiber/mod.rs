@@ -14,9 +14,11 @@ mod switch;
 
 pub use self::stack::mappings_per_stack;
 
+use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::collections::VecDeque;
 use std::io;
+use std::panic::{self, AssertUnwindSafe};
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
@@ -140,6 +142,16 @@ enum Status {
     Ended,
     /// The fiber has faulted.
     Broken,
+}
+
+/// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is no fiber. `work` must not suspend the flow.
+#[inline]
+pub(super) fn run_on_host_stack(work: &mut dyn FnMut()) {
+    // SAFETY: see `Fiber::current`.
+    match unsafe { CURRENT.get().as_ref() } {
+        Some(fiber) => fiber.run_on_worker_stack(work),
+        None => work(),
+    }
 }
 
 /// State that a suspended fiber continues from.
@@ -482,7 +494,7 @@ impl Fiber {
     /// Called on the thread of the fiber's worker, and not by the fiber.
     unsafe fn prefetch_stack(&self) {
         /// Bytes of the stack below and above the stack pointer of the suspended fiber.
-        const EXTENT: [usize; 2] = [4096, 2048];
+        const EXTENT: [usize; 2] = [256, 2048];
         // SAFETY: no code changes the context meanwhile, by this function's contract.
         let sp = unsafe { (*self.context.get()).sp };
         let [low, high] = self.stack.bounds();
@@ -529,6 +541,35 @@ impl Fiber {
         let worker = WORKER.get();
         // SAFETY: the fiber runs on the thread of its worker, which has stored its context when it switched to the fiber.
         unsafe { switch::switch(&raw mut (*self.context.get()).sp, *(*worker).sp.get()) };
+    }
+
+    /// Runs `work` on the stack of this fiber's worker; this fiber is the calling one. `work` must not suspend the fiber.
+    ///
+    /// All fibers of a worker share this stack, which therefore stays in the cache; of its own stack a fiber then touches only the
+    /// frames of its program and of the entry of a call.
+    fn run_on_worker_stack(&self, work: &mut dyn FnMut()) {
+        struct Job<'a> {
+            work: &'a mut dyn FnMut(),
+            panic: Option<Box<dyn Any + Send>>,
+        }
+        /// # Safety
+        /// `job` is a [`Job`] that nothing else uses.
+        unsafe extern "sysv64" fn run(job: *mut u8) {
+            // SAFETY: by this function's contract.
+            let job = unsafe { &mut *job.cast::<Job<'_>>() };
+            // A panic cannot unwind from one stack to another.
+            job.panic = panic::catch_unwind(AssertUnwindSafe(&mut job.work)).err();
+        }
+        let mut job = Job { work, panic: None };
+        // SAFETY: the worker's thread runs this fiber, and has stored its stack pointer when it switched to it: below, its stack
+        // is unused until the fiber is suspended. `work` suspends nothing, and its panic does not leave `run`.
+        unsafe {
+            let worker_sp = *(*WORKER.get()).sp.get();
+            switch::call_on(self.block.caller_sp.as_ptr(), worker_sp, run, (&raw mut job).cast());
+        }
+        if let Some(payload) = job.panic {
+            panic::resume_unwind(payload);
+        }
     }
 
     /// Leaves the calling fiber, never to return: it has ended, or its fault is stored.

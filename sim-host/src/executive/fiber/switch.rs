@@ -36,6 +36,32 @@ unsafe extern "sysv64" fn land() {
     naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
 }
 
+/// Calls `function` with `argument` on the stack below the stack pointer `to`, after it has stored the caller's stack pointer in `from`.
+///
+/// # Safety
+/// `from` is valid for a write. The memory below `to` is an unused stack, which is large enough for `function`. `function` does not
+/// unwind, and returns before any code switches away from this thread's stack.
+#[unsafe(naked)]
+pub unsafe extern "sysv64" fn call_on(
+    from: *mut usize,
+    to: usize,
+    function: unsafe extern "sysv64" fn(*mut u8),
+    argument: *mut u8,
+) {
+    naked_asm!(
+        "push rbp",
+        "mov rbp, rsp",
+        "mov [rdi], rsp",
+        "mov rsp, rsi",
+        "and rsp, -16",
+        "mov rdi, rcx",
+        "call rdx",
+        "mov rsp, rbp",
+        "pop rbp",
+        "ret",
+    )
+}
+
 /// Writes the context of a fiber that begins with `entry` to the fiber's stack, which ends at `top`, a multiple of 16. Returns the
 /// stack pointer of the context.
 ///
