@@ -30,6 +30,18 @@ impl Default for Camera {
     }
 }
 
+/// Number of bytes of a tile's row.
+const ROW_BYTES: usize = 3 * TILE as usize;
+
+/// Red, green and blue of a tile's row, from [rounded colours](round_colours).
+fn row_bytes(colours: &[i32]) -> [u8; ROW_BYTES] {
+    let [a, b, c, d, e, f, g, h] = std::array::from_fn(|pixel| colours[pixel] as u64);
+    let words = [a | b << 24 | c << 48, c >> 16 | d << 8 | e << 32 | f << 56, f >> 8 | g << 16 | h << 40];
+    let mut bytes = [0; ROW_BYTES];
+    bytes.copy_from_slice(words.map(u64::to_le_bytes).as_flattened());
+    bytes
+}
+
 /// Inputs of the rendering of tiles.
 struct RenderInputs<'a> {
     context: SurfaceContext<'a>,
@@ -81,9 +93,11 @@ impl Camera {
             let [columns, rows] = inputs.visible_size(tile.origin);
             for (row, colours) in colours.chunks_exact(TILE as usize).take(rows).enumerate() {
                 let first = (tile.origin[1] as usize + row) * width as usize + tile.origin[0] as usize;
-                for (pixel, colour) in pixels[first..first + columns].iter_mut().zip(colours) {
-                    let [red, green, blue, _] = colour.to_le_bytes();
-                    *pixel = [red, green, blue];
+                let target = pixels[first..first + columns].as_flattened_mut();
+                let bytes = row_bytes(colours);
+                match <&mut [u8; ROW_BYTES]>::try_from(&mut *target) {
+                    Ok(target) => *target = bytes,
+                    Err(_) => target.copy_from_slice(&bytes[..target.len()]),
                 }
             }
         };

@@ -104,20 +104,20 @@ fn shade_tile<S: Simd, const FLAT: bool>(
 }
 
 /// Rounds the colours of a tile to integers; red is the lowest byte, then green and blue.
-pub fn round_colours(level: Level, colours: &Colours) -> [u32; PIXELS] {
+pub fn round_colours(level: Level, colours: &Colours) -> [i32; PIXELS] {
     dispatch!(level, simd => round_with(simd, colours))
 }
 
 #[inline(always)]
-fn round_with<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
+fn round_with<S: Simd>(simd: S, colours: &Colours) -> [i32; PIXELS] {
     let mut pixels = [0; PIXELS];
     let mut first = 0;
     while first < PIXELS {
         let lanes = first..first + S::f32s::LEN;
         // All values are between 0 and 255.
-        let red: S::u32s = (S::f32s::from_slice(simd, &colours[0][lanes.clone()]) + 0.5).to_int();
-        let green: S::u32s = (S::f32s::from_slice(simd, &colours[1][lanes.clone()]) + 0.5).to_int();
-        let blue: S::u32s = (S::f32s::from_slice(simd, &colours[2][lanes.clone()]) + 0.5).to_int();
+        let red: S::i32s = (S::f32s::from_slice(simd, &colours[0][lanes.clone()]) + 0.5).to_int();
+        let green: S::i32s = (S::f32s::from_slice(simd, &colours[1][lanes.clone()]) + 0.5).to_int();
+        let blue: S::i32s = (S::f32s::from_slice(simd, &colours[2][lanes.clone()]) + 0.5).to_int();
         (red | green << 8 | blue << 16).store_slice(&mut pixels[lanes]);
         first += S::f32s::LEN;
     }
@@ -185,8 +185,12 @@ fn paint<S: Simd, const FLAT: bool>(
                 axes[axis][1] = (v_step - projected[1] * plane_step) * (ray_parameter * height);
                 axis += 1;
             }
-            let sample = mip_map.sample(simd, with_image, uv, axes);
             let tint = rgb(simd, surface.tint);
+            let sample = if mip_map.is_opaque {
+                mip_map.sample::<S, 3>(simd, with_image, uv, axes)
+            } else {
+                mip_map.sample::<S, 4>(simd, with_image, uv, axes)
+            };
             let tinted = [sample[0] * tint[0], sample[1] * tint[1], sample[2] * tint[2]];
             colour = if mip_map.is_opaque { tinted } else { over(simd, tinted, sample[3] * (1.0 / 255.0), colour) };
         }

@@ -1,7 +1,7 @@
 //! Texture filtering with mip maps.
 
-use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use fearless_simd::{Simd, i32x4};
 
 use crate::scene::Texture;
 
@@ -106,9 +106,9 @@ impl MipMap {
 
     /// Filtered red, green, blue and opacity, 0 to 255, at `uv` (to the right and downwards from the upper left corner; 1 is
     /// the full width or height). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in texels. Only
-    /// the lanes in the bit mask `wanted` are defined.
+    /// the lanes in the bit mask `wanted` are defined. `CHANNELS` is 3 without opacity, which is 0 then, and 4 with it.
     #[inline(always)]
-    pub(super) fn sample<S: Simd>(
+    pub(super) fn sample<S: Simd, const CHANNELS: usize>(
         &self,
         simd: S,
         wanted: u64,
@@ -140,8 +140,12 @@ impl MipMap {
         while number < probes {
             let offset = if number == 0 { half_spread } else { -half_spread };
             let probe_uv = [uv[0] + axis[0] * offset, uv[1] + axis[1] * offset];
-            let colour = self.probe(simd, wanted, probe_uv, level);
-            sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2], sum[3] + colour[3]];
+            let colour = self.probe::<S, CHANNELS>(simd, wanted, probe_uv, level);
+            let mut channel = 0;
+            while channel < CHANNELS {
+                sum[channel] += colour[channel];
+                channel += 1;
+            }
             number += 1;
         }
         let fraction = 1.0 / probes as f32;
@@ -150,46 +154,53 @@ impl MipMap {
 
     /// Colour of a probe, blended from one or two levels.
     #[inline(always)]
-    fn probe<S: Simd>(&self, simd: S, wanted: u64, uv: [S::f32s; 2], level: S::f32s) -> [S::f32s; 4] {
+    fn probe<S: Simd, const CHANNELS: usize>(
+        &self,
+        simd: S,
+        wanted: u64,
+        uv: [S::f32s; 2],
+        level: S::f32s,
+    ) -> [S::f32s; 4] {
         let uv = [self.wrapped(simd, uv[0]), self.wrapped(simd, uv[1])];
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
         let whole = level.floor();
         let blend = ((level - whole - 0.5) * (1.0 / BLEND_WIDTH) + 0.5).max(zero).min(one);
         let is_upper = blend.simd_ge(one);
         let (lower, fraction) = (is_upper.select(whole + one, whole), is_upper.select(zero, blend));
+        let numbers: S::i32s = lower.to_int();
         let last = self.levels.len() - 1;
         let mut colour = [zero; 4];
         let mut pending = wanted;
         while pending != 0 {
             let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
-            let number = lower.as_slice()[lane];
-            let same = lower.simd_eq(number).to_bitmask() & pending | 1 << lane;
+            let number = numbers.as_slice()[lane];
+            let same = numbers.simd_eq(number).to_bitmask() & pending | 1 << lane;
             pending &= !same;
-            // The cast saturates.
             let mut number = (number as usize).min(last);
             let level_count = if fraction.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
             let mut weight = one - fraction;
             let mut blended = [zero; 4];
             let mut index = 0;
             while index < level_count {
-                let sample = self.bilinear(simd, same, uv, self.levels[number]);
-                blended = [
-                    blended[0] + sample[0] * weight,
-                    blended[1] + sample[1] * weight,
-                    blended[2] + sample[2] * weight,
-                    blended[3] + sample[3] * weight,
-                ];
+                let sample = self.bilinear::<S, CHANNELS>(simd, same, uv, self.levels[number]);
+                let mut channel = 0;
+                while channel < CHANNELS {
+                    blended[channel] += sample[channel] * weight;
+                    channel += 1;
+                }
                 number = (number + 1).min(last);
                 weight = fraction;
                 index += 1;
             }
+            if same == wanted {
+                return blended;
+            }
             let is_same = S::mask32s::from_bitmask(simd, same);
-            colour = [
-                is_same.select(blended[0], colour[0]),
-                is_same.select(blended[1], colour[1]),
-                is_same.select(blended[2], colour[2]),
-                is_same.select(blended[3], colour[3]),
-            ];
+            let mut channel = 0;
+            while channel < CHANNELS {
+                colour[channel] = is_same.select(blended[channel], colour[channel]);
+                channel += 1;
+            }
         }
         colour
     }
@@ -209,7 +220,13 @@ impl MipMap {
 
     /// Blends the four nearest texels of a level.
     #[inline(always)]
-    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, uv: [S::f32s; 2], level: MipLevel) -> [S::f32s; 4] {
+    fn bilinear<S: Simd, const CHANNELS: usize>(
+        &self,
+        simd: S,
+        wanted: u64,
+        uv: [S::f32s; 2],
+        level: MipLevel,
+    ) -> [S::f32s; 4] {
         let [width, height] = level.size.map(|side| side as f32);
         // Measured from the middle of the border's first texel.
         let (x, y) = (uv[0] * width + 0.5, uv[1] * height + 0.5);
@@ -218,32 +235,13 @@ impl MipMap {
         let stride = level.stride();
         let (column, row): (S::i32s, S::i32s) = (left.to_int(), top.to_int());
         let first = row * S::i32s::splat(simd, stride as i32) + column;
+        // Other lanes read the first texels of the level, so that all lanes take the same path.
+        let first = S::mask32s::from_bitmask(simd, wanted).select(first, S::i32s::splat(simd, 0));
         let first = first.as_slice();
         let texels = &self.texels[level.start..];
-        let mut found = [[[0_i32; 2]; 2]; MAX_LANES];
-        if wanted.count_ones() as usize == S::f32s::LEN {
-            for (found, index) in found.iter_mut().zip(first) {
-                let index = *index as u32 as usize;
-                let four = &texels[index..index + 2];
-                *found = [four[0], four[1]];
-            }
-        } else {
-            let mut pending = wanted;
-            while pending != 0 {
-                let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
-                pending &= pending - 1;
-                let index = first[lane] as u32 as usize;
-                let four = &texels[index..index + 2];
-                found[lane] = [four[0], four[1]];
-            }
-        }
-        // Transposes four texels per lane to one vector per texel.
-        let found = found.as_flattened().as_flattened();
-        let lanes = S::i32s::LEN;
-        let (even_low, odd_low) = S::i32s::from_slice(simd, &found[..lanes])
-            .deinterleave(S::i32s::from_slice(simd, &found[lanes..2 * lanes]));
-        let (even_high, odd_high) = S::i32s::from_slice(simd, &found[2 * lanes..3 * lanes])
-            .deinterleave(S::i32s::from_slice(simd, &found[3 * lanes..4 * lanes]));
+        let (even_low, odd_low) = four_texels(simd, texels, first, 0).deinterleave(four_texels(simd, texels, first, 1));
+        let (even_high, odd_high) =
+            four_texels(simd, texels, first, 2).deinterleave(four_texels(simd, texels, first, 3));
         let (upper_left, upper_right) = even_low.deinterleave(even_high);
         let (lower_left, lower_right) = odd_low.deinterleave(odd_high);
         let found = [upper_left, upper_right, lower_left, lower_right];
@@ -266,7 +264,7 @@ impl MipMap {
             sum[0] += red * weights[corner];
             sum[1] += green * weights[corner];
             sum[2] += blue * weights[corner];
-            if !self.is_opaque {
+            if CHANNELS > 3 {
                 let opacity: S::f32s = ((texel >> 24) & low_byte).to_float();
                 sum[3] += opacity * weights[corner];
             }
@@ -276,11 +274,28 @@ impl MipMap {
     }
 }
 
+/// The four texels around a position for the lanes of the quarter `quarter`, lane by lane. The vector is made of blocks in
+/// registers: a vector read from memory to which the lanes were written one by one would wait for all of them.
+#[inline(always)]
+fn four_texels<S: Simd>(simd: S, texels: &[[i32; 2]], first: &[i32], quarter: usize) -> S::i32s {
+    let blocks = S::i32s::LEN / 4;
+    let mut vector = S::i32s::splat(simd, 0);
+    let mut block = 0;
+    while block < blocks {
+        let index = first[quarter * blocks + block] as u32 as usize;
+        let four = S::i32s::block_splat(i32x4::from_slice(simd, texels[index..index + 2].as_flattened()));
+        vector = if block == 0 {
+            four
+        } else {
+            S::mask32s::from_bitmask(simd, u64::MAX << (4 * block)).select(four, vector)
+        };
+        block += 1;
+    }
+    vector
+}
+
 /// Part of the interval between two levels in which both are blended.
 const BLEND_WIDTH: f32 = 0.25;
-
-/// Number of lanes of the widest vectors.
-const MAX_LANES: usize = 16;
 
 /// Logarithm to base 2, within 5e-5; undefined for NaN and values of 0 or less.
 #[inline(always)]

@@ -286,7 +286,7 @@ fn a_closed_surface_has_no_holes() {
 fn sampled<S: Simd>(simd: S, mip_map: &MipMap, uv: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
     let splat = |value: f64| S::f32s::splat(simd, value as f32);
     let axes = axes.map(|axis| [splat(axis.x), splat(axis.y)]);
-    let sample = mip_map.sample(simd, 1 << 3, [splat(uv.x), splat(uv.y)], axes);
+    let sample = mip_map.sample::<S, 4>(simd, 1 << 3, [splat(uv.x), splat(uv.y)], axes);
     sample.map(|channel| f64::from(channel.as_slice()[3]))
 }
 
