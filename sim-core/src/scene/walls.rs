@@ -4,6 +4,7 @@ mod batch;
 mod clearance;
 mod ray;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec2, Vec2Swizzles};
 
 use super::grid::{Cells, Grid, is_ray, is_usable, rounding_error, rounding_margin};
@@ -26,7 +27,7 @@ pub struct WallHit {
 }
 
 /// Number of grid cells per wall.
-const CELLS_PER_WALL: f64 = 1.0;
+const CELLS_PER_WALL: f64 = 0.5;
 
 /// Maximum average number of cell entries per wall; limits the cost of long walls.
 const ENTRIES_PER_WALL: f64 = 8.0;
@@ -59,12 +60,16 @@ pub struct Walls {
     grid: Grid,
     /// Margin by which walls are enlarged on insertion into cells; larger than all rounding of rays and cells.
     margin: f64,
-    /// Upper bound of the [`rounding_error`] of every ray that starts in `bounds`, or outside `bounds` by at most the
-    /// margin.
-    inside_rounding_error: f64,
+    /// The walls' bounds, enlarged by the margin; empty without a wall that a ray can hit.
+    area: Bounds,
+    /// Upper bound of the [`rounding_error`] of every ray that starts in `area`, and its [`area_rounding_error`].
+    inside_rounding_errors: (f64, f64),
+    level: Level,
     batches: WallBatches,
     /// `None` without a wall that a ray can hit.
     clearance: Option<Clearance>,
+    /// Maximum of the clearance, m.
+    max_clearance: f64,
 }
 
 impl Walls {
@@ -90,10 +95,24 @@ impl Walls {
             for_each_cell(&grid, margin, &segments[wall as usize], visit)
         });
         let batches = WallBatches::new(&grid, &cells, &segments);
-        let inside_rounding_error = bounds.map_or(0.0, |bounds| 0.5 * rounding_margin(&bounds.grown(margin)));
+        let area = extent.grown(margin);
+        let rounding_error = 0.5 * rounding_margin(&area);
+        let inside_rounding_errors = (rounding_error, area_rounding_error(rounding_error, &extent));
         let clearance =
             bounds.map(|bounds| Clearance::new(bounds, usable.iter().map(|&wall| &segments[wall as usize])));
-        Self { segments, heights: Vec::new(), bounds, grid, margin, inside_rounding_error, batches, clearance }
+        Self {
+            segments,
+            heights: Vec::new(),
+            bounds,
+            grid,
+            margin,
+            area,
+            inside_rounding_errors,
+            level: Level::new(),
+            batches,
+            max_clearance: clearance.as_ref().map_or(0.0, |clearance| clearance.max_bound),
+            clearance,
+        }
     }
 
     /// Sets the heights of the walls' upper edges above the floor, m, in the order of the walls.
@@ -150,7 +169,7 @@ impl Walls {
     /// NaN, `origin` is infinite or beyond 10^100 m, `range` is negative, or the length of `direction` is not 1 within
     /// 10^-6.
     pub fn cast(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<WallHit> {
-        if range < self.clearance(origin) {
+        if range < self.max_clearance && range < self.clearance(origin) {
             return None;
         }
         self.cast_where(origin, direction, range, |_, _| true)
@@ -165,27 +184,49 @@ impl Walls {
         range: f64,
         accepts: impl Fn(WallId, f64) -> bool,
     ) -> Option<WallHit> {
+        dispatch!(self.level, simd => self.cast_with(simd, origin, direction, range, &accepts))
+    }
+
+    #[inline(always)]
+    fn cast_with<S: Simd>(
+        &self,
+        simd: S,
+        origin: DVec2,
+        direction: DVec2,
+        range: f64,
+        accepts: &impl Fn(WallId, f64) -> bool,
+    ) -> Option<WallHit> {
         if !is_ray(origin, direction, range) {
             return None;
         }
-        let bounds = self.bounds?;
+        let (ray, start, passed) = if self.area.contains(origin) {
+            let (rounding_error, area_rounding_error) = self.inside_rounding_errors;
+            (Ray { origin, direction, rounding_error, area_rounding_error }, origin, 0.0)
+        } else {
+            let bounds = self.bounds?;
+            let ray = self.ray(origin, direction, rounding_error(origin, &bounds), bounds);
+            if ray.rounding_error >= self.margin {
+                return self.cast_from_afar(&ray, range, bounds, accepts);
+            }
+            let (entry, _) = self.area.clip(origin, direction, range)?;
+            (ray, origin + direction * entry, entry)
+        };
+        self.batches.walk(simd, &self.segments, &ray, start, passed, Nearest::new(range), accepts).hit()
+    }
+
+    /// The nearest wall along a ray whose origin is so distant that rounding exceeds the margin of the cells.
+    fn cast_from_afar(
+        &self,
+        ray: &Ray,
+        range: f64,
+        bounds: Bounds,
+        accepts: &impl Fn(WallId, f64) -> bool,
+    ) -> Option<WallHit> {
+        bounds.grown(2.0 * ray.rounding_error).clip(ray.origin, ray.direction, range)?;
         let mut nearest = Nearest::new(range);
-        let area = bounds.grown(self.margin);
-        if area.contains(origin) {
-            let ray = self.ray(origin, direction, self.inside_rounding_error, bounds);
-            self.walk(ray, origin, 0.0, &mut nearest, accepts);
-            return nearest.hit();
-        }
-        let ray = self.ray(origin, direction, rounding_error(origin, &bounds), bounds);
-        if ray.rounding_error < self.margin {
-            let (entry, _) = area.clip(origin, direction, range)?;
-            self.walk(ray, origin + direction * entry, entry, &mut nearest, accepts);
-        } else if bounds.grown(2.0 * ray.rounding_error).clip(origin, direction, range).is_some() {
-            // The origin is so distant that rounding exceeds the margin of the cells.
-            for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
-                if is_usable(segment.a) && is_usable(segment.b) {
-                    nearest.offer(wall, ray.distance(segment), &accepts);
-                }
+        for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
+            if is_usable(segment.a) && is_usable(segment.b) {
+                nearest.offer(wall, ray.distance(segment), accepts);
             }
         }
         nearest.hit()
@@ -193,20 +234,7 @@ impl Walls {
 
     #[inline(always)]
     fn ray(&self, origin: DVec2, direction: DVec2, rounding_error: f64, bounds: Bounds) -> Ray {
-        let area_rounding_error = 4.0 * rounding_error * (bounds.max - bounds.min).element_sum();
-        Ray { origin, direction, rounding_error, area_rounding_error }
-    }
-
-    /// Tests the walls along the path of the ray, which enters the walls' bounds at `start`, `passed` metres after its
-    /// origin.
-    #[inline(always)]
-    fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, accepts: impl Fn(WallId, f64) -> bool) {
-        let mut found = *nearest;
-        self.batches.walk(start, ray.direction, passed, found.distance, |wall| {
-            found.offer(wall, ray.distance(self.segment(wall)), &accepts);
-            found.distance
-        });
-        *nearest = found;
+        Ray { origin, direction, rounding_error, area_rounding_error: area_rounding_error(rounding_error, &bounds) }
     }
 
     /// Visits each wall that overlaps `bounds` once, in the order of their numbers. May also visit walls of which only the
@@ -233,6 +261,11 @@ impl Walls {
         ids.dedup();
         ids
     }
+}
+
+/// The [`area_rounding_error`](Ray::area_rounding_error) for walls within `bounds`.
+fn area_rounding_error(rounding_error: f64, bounds: &Bounds) -> f64 {
+    4.0 * rounding_error * (bounds.max - bounds.min).element_sum()
 }
 
 /// Chooses the cell size and the margin of the walls.

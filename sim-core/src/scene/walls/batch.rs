@@ -1,19 +1,22 @@
-//! Conservative culling along a ray: the walls of a cell are tested in `f32`, four at a time.
+//! Conservative culling along a ray: the walls of a cell are tested in `f32`, eight at a time.
 //!
 //! Culling uses margins wider than all rounding; the exact test in `ray`, in `f64`, decides which walls are hit.
 
 use std::ops::RangeInclusive;
 
-use glam::{DVec2, Vec4};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f64x2};
+use glam::DVec2;
 
 use super::super::{
     Segment,
     grid::{Cells, Grid},
 };
 use super::WallId;
+use super::ray::{Nearest, Ray};
 
 /// Number of walls in a batch.
-const WIDTH: usize = 4;
+const WIDTH: usize = 8;
 
 /// The walls of each cell of a grid.
 ///
@@ -30,20 +33,21 @@ pub(super) struct WallBatches {
     /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
     batches: Vec<WallBatch>,
-    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 16 units in the last
+    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 32 units in the last
     /// place of the largest coordinate. On each axis, the coordinate of a wall's end, the ray's direction and the product of
-    /// both contribute 1 unit each; the sum over the axes and the ray's own position add 1 unit each. For a grid of 3 by 3
-    /// cells, ring included, 5 units remain for the margin.
+    /// both contribute 1 unit each; the sums over the axes and with the ray's own position add 4, and the comparison of two
+    /// such numbers 6. For a grid of 3 by 3 cells, ring included, 16 units remain for the margin.
     slack: f32,
 }
 
-/// Up to four walls of a cell, coordinate by coordinate; unused lanes are NaN and compare as false.
+/// Up to eight walls of a cell, coordinate by coordinate; unused lanes are NaN and compare as false.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 struct WallBatch {
-    ax: Vec4,
-    ay: Vec4,
-    bx: Vec4,
-    by: Vec4,
+    ax: [f32; WIDTH],
+    ay: [f32; WIDTH],
+    bx: [f32; WIDTH],
+    by: [f32; WIDTH],
     walls: [u32; WIDTH],
     /// Index of the cell's next batch, or [`OUTSIDE`].
     next: u32,
@@ -57,8 +61,14 @@ const EMPTY_CELL: u32 = 1;
 
 const NO_WALL: u32 = u32::MAX;
 
-const EMPTY: WallBatch =
-    WallBatch { ax: Vec4::NAN, ay: Vec4::NAN, bx: Vec4::NAN, by: Vec4::NAN, walls: [NO_WALL; WIDTH], next: OUTSIDE };
+const EMPTY: WallBatch = WallBatch {
+    ax: [f32::NAN; WIDTH],
+    ay: [f32::NAN; WIDTH],
+    bx: [f32::NAN; WIDTH],
+    by: [f32::NAN; WIDTH],
+    walls: [NO_WALL; WIDTH],
+    next: OUTSIDE,
+};
 
 /// Rounding constant: adding it to a position in cells puts the nearest whole number into the lowest bits.
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
@@ -88,29 +98,32 @@ impl WallBatches {
                 }
             }
         }
-        let slack = (columns + rows) as f32 / (1 << 20) as f32;
+        let slack = (columns + rows) as f32 / (1 << 19) as f32;
         Self { corner, cells_per_metre, columns, rows, first, batches, slack }
     }
 
-    /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately in order of
-    /// distance and possibly several times. `test` returns the distance up to which the walk must continue.
+    /// Offers to `nearest` each wall that `ray` may hit, approximately in order of distance, until no nearer one can
+    /// follow.
     ///
-    /// `start` lies within the grid, or outside it by no more than rounding. Distances are measured from a point `passed`
-    /// metres before `start`; the walk begins with the limit `farthest`.
+    /// `start`, the point `passed` metres along the ray, lies within the grid, or outside it by no more than rounding.
+    #[expect(clippy::too_many_arguments, reason = "of one caller")]
     #[inline(always)]
-    pub fn walk(
+    pub fn walk<S: Simd>(
         &self,
+        simd: S,
+        segments: &[Segment],
+        ray: &Ray,
         start: DVec2,
-        direction: DVec2,
         passed: f64,
-        farthest: f64,
-        mut test: impl FnMut(WallId) -> f64,
-    ) {
+        mut nearest: Nearest,
+        accepts: &impl Fn(WallId, f64) -> bool,
+    ) -> Nearest {
+        let direction = ray.direction;
         let position = (start - self.corner) * self.cells_per_metre;
         let biased = position + DVec2::splat(ROUNDING_BIAS);
         let [column, row] = [biased.x, biased.y].map(|whole| whole.to_bits().wrapping_sub(ROUNDING_BIAS.to_bits()));
         if column >= self.columns as u64 || row >= self.rows as u64 {
-            return;
+            return nearest;
         }
         let mut cell = row as usize * self.columns + column as usize;
         // Distances to the next borders; a cell extends half a cell to either side of its middle.
@@ -118,45 +131,46 @@ impl WallBatches {
         // Distance along the ray between successive borders on each axis.
         let spacing = DVec2::ONE / direction.abs();
         let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
-        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * spacing;
+        let exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * spacing;
+        let (mut exits, spacing) =
+            (f64x2::simd_from(simd, exits.to_array()), f64x2::simd_from(simd, spacing.to_array()));
+        let zero = f64x2::splat(simd, 0.0);
+        // A ray through a corner of cells goes on to the opposite cell: the walls at the corner are in all four.
         let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
+        let strides = [0, by_column, by_row, by_column.wrapping_add(by_row)];
 
-        let probe = Probe::new(direction, position, self.slack);
-        let cells_to = |distance: f64| (distance - passed) * self.cells_per_metre;
-        let mut limit = cells_to(farthest);
-        let mut end = probe.end(limit);
+        let probe = Probe::new(simd, direction, position, self.slack);
+        let mut limit = (nearest.distance - passed) * self.cells_per_metre;
         loop {
-            let Some(&first) = self.first.get(cell) else { return };
+            let Some(&first) = self.first.get(cell) else { return nearest };
             if first == OUTSIDE {
-                return;
+                return nearest;
             }
+            let [column_exit, row_exit]: [f64; 2] = exits.into();
+            // Not `min`, which needs extra code for NaN.
+            let exit = if column_exit < row_exit { column_exit } else { row_exit };
+            // A wall that the ray hits behind this cell is found in a later one.
+            let reach = probe.reach(simd, if limit < exit { limit } else { exit });
             let mut next = first;
             loop {
                 let batch = &self.batches[next as usize];
-                let mut hit_lanes = probe.may_hit(batch, end);
+                let hit_lanes = probe.may_hit(simd, batch, &reach);
                 if hit_lanes != 0 {
-                    while hit_lanes != 0 {
-                        let wall = batch.walls[hit_lanes.trailing_zeros() as usize % WIDTH];
-                        limit = cells_to(test(WallId(wall)));
-                        hit_lanes &= hit_lanes - 1;
-                    }
-                    end = probe.end(limit);
+                    offer(segments, ray, batch, hit_lanes, &mut nearest, accepts);
+                    limit = (nearest.distance - passed) * self.cells_per_metre;
                 }
                 next = batch.next;
                 if next == OUTSIDE {
                     break;
                 }
             }
-            // Not `min`, which needs extra code for NaN.
-            let exit = if exits.x < exits.y { exits.x } else { exits.y };
             if limit <= exit {
-                return;
+                return nearest;
             }
-            // Bit masks replace an unpredictable branch: either border may come first.
-            let is_column = u64::from(exits.x < exits.y).wrapping_neg();
-            cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
-            exits.x += f64::from_bits(spacing.x.to_bits() & is_column);
-            exits.y += f64::from_bits(spacing.y.to_bits() & !is_column);
+            // Vectors replace an unpredictable branch: either border may come first.
+            let is_next = exits.simd_le(f64x2::simd_from(simd, [row_exit, column_exit]));
+            cell = cell.wrapping_add(strides[is_next.to_bitmask() as usize & 3]);
+            exits += is_next.select(spacing, zero);
         }
     }
 
@@ -173,6 +187,27 @@ impl WallBatches {
             }
         }
     }
+}
+
+/// Offers the walls of a batch in the lanes of `hit_lanes` to `nearest`.
+// Not inlined, because the walk needs the registers.
+#[cold]
+#[inline(never)]
+fn offer(
+    segments: &[Segment],
+    ray: &Ray,
+    batch: &WallBatch,
+    mut hit_lanes: u32,
+    nearest: &mut Nearest,
+    accepts: &impl Fn(WallId, f64) -> bool,
+) {
+    let mut found = *nearest;
+    while hit_lanes != 0 {
+        let wall = batch.walls[hit_lanes.trailing_zeros() as usize % WIDTH];
+        found.offer(WallId(wall), ray.distance(&segments[wall as usize]), accepts);
+        hit_lanes &= hit_lanes - 1;
+    }
+    *nearest = found;
 }
 
 /// Distance from the cell's middle on an axis, positive in the direction of the ray (the sign of `direction`).
@@ -202,49 +237,63 @@ impl WallBatch {
 }
 
 /// A ray in units of cells.
-struct Probe {
-    x: Vec4,
-    y: Vec4,
-    /// Minimum and maximum signed offset, positive to the left of the ray, of a point that may lie on the ray's line.
-    right: Vec4,
-    left: Vec4,
-    /// Coordinate of the ray's start along its line.
-    start: f64,
-    /// `start` minus the slack.
-    behind: Vec4,
+struct Probe<S: Simd> {
+    x: f32x8<S>,
+    y: f32x8<S>,
+    /// Coordinate of the ray's line to its left.
+    side: f32x8<S>,
+    /// Coordinate of the ray's start along its line, negated.
+    behind: f32,
     slack: f32,
 }
 
-impl Probe {
+/// A part of a ray that begins at its start.
+struct Reach<S: Simd> {
+    /// Coordinate of its middle along the ray's line, negated.
+    behind: f32x8<S>,
+    /// Half of its length, and the slack.
+    half: f32x8<S>,
+}
+
+impl<S: Simd> Probe<S> {
     #[inline(always)]
-    fn new(direction: DVec2, position: DVec2, slack: f32) -> Self {
+    fn new(simd: S, direction: DVec2, position: DVec2, slack: f32) -> Self {
         let (side, start) = (direction.perp_dot(position) as f32, direction.dot(position));
         Self {
-            x: Vec4::splat(direction.x as f32),
-            y: Vec4::splat(direction.y as f32),
-            right: Vec4::splat(side - slack),
-            left: Vec4::splat(side + slack),
-            start,
-            behind: Vec4::splat(start as f32 - slack),
+            x: f32x8::splat(simd, direction.x as f32),
+            y: f32x8::splat(simd, direction.y as f32),
+            side: f32x8::splat(simd, side),
+            behind: -start as f32,
             slack,
         }
     }
 
-    /// Coordinate along the ray's line beyond which hits are ignored.
+    /// The first `length` cells of the ray.
     #[inline(always)]
-    fn end(&self, limit: f64) -> Vec4 {
-        Vec4::splat((self.start + limit) as f32 + self.slack)
+    fn reach(&self, simd: S, length: f64) -> Reach<S> {
+        let half = (0.5 * length) as f32;
+        Reach { behind: f32x8::splat(simd, self.behind - half), half: f32x8::splat(simd, half + 2.0 * self.slack) }
     }
 
-    /// Bit mask of the walls whose ends lie on both sides of the ray, or on it, and that are neither behind its start
-    /// nor beyond its end.
+    /// Bit mask of the walls whose ends lie on both sides of the ray, or on it, and that cross it within `reach`.
     #[inline(always)]
-    fn may_hit(&self, batch: &WallBatch, end: Vec4) -> u32 {
-        let Self { x, y, .. } = *self;
-        let (a_side, b_side) = (x * batch.ay - y * batch.ax, x * batch.by - y * batch.bx);
-        let (a_ahead, b_ahead) = (x * batch.ax + y * batch.ay, x * batch.bx + y * batch.by);
-        let crosses = a_side.min(b_side).cmple(self.left) & a_side.max(b_side).cmpge(self.right);
-        let is_ahead = a_ahead.max(b_ahead).cmpge(self.behind) & a_ahead.min(b_ahead).cmple(end);
-        (crosses & is_ahead).bitmask()
+    fn may_hit(&self, simd: S, batch: &WallBatch, reach: &Reach<S>) -> u32 {
+        let Self { x, y, side, slack, .. } = *self;
+        let (ax, ay) = (f32x8::simd_from(simd, batch.ax), f32x8::simd_from(simd, batch.ay));
+        let (bx, by) = (f32x8::simd_from(simd, batch.bx), f32x8::simd_from(simd, batch.by));
+        let a_side = x.mul_sub(ay, y.mul_add(ax, side));
+        let b_side = x.mul_sub(by, y.mul_add(bx, side));
+        let a_ahead = x.mul_add(ax, y.mul_add(ay, reach.behind));
+        let b_ahead = x.mul_add(bx, y.mul_add(by, reach.behind));
+        let (across, along) = (a_side - b_side, (a_ahead - b_ahead));
+        let width = across.abs();
+        // Two numbers have different signs if the absolute value of their sum is less than that of their difference.
+        let crosses = (a_side + b_side).abs().simd_le(width + f32x8::splat(simd, 2.0 * slack));
+        // The crossing is at `a_ahead - along * a_side / across`; both sides of the comparison are multiplied by `width`.
+        // Errors of the sides by up to `slack` shift it by up to 6 `slack * along / width` if `width` exceeds 3 `slack`.
+        // Otherwise the wall is excluded only if both ends lie outside the reach.
+        let offset = a_ahead.mul_sub(across, along * a_side).abs();
+        let is_within = offset.simd_le(reach.half.mul_add(width, f32x8::splat(simd, 8.0 * slack) * along.abs()));
+        (crosses & is_within).to_bitmask() as u32
     }
 }

@@ -18,6 +18,8 @@ pub(super) struct Clearance {
     /// Chebyshev distance of each cell from the nearest cell with a wall, at most 255. A ring of cells around the grid has
     /// the maximum value.
     distances: Vec<u8>,
+    /// Maximum of all lower bounds, m.
+    pub max_bound: f64,
 }
 
 impl Clearance {
@@ -48,7 +50,9 @@ impl Clearance {
         indices()
             .rev()
             .for_each(|index| relax(index, [index + 1, index + width + 1, index + width, index + width - 1]));
-        Self { grid, distances }
+        let max_distance = indices().map(|index| distances[index]).max().unwrap_or_default();
+        let max_bound = bound(max_distance, &grid);
+        Self { grid, distances, max_bound }
     }
 
     /// Lower bound of the distance from `point` to the nearest wall, m; 0 for a point outside the grid.
@@ -57,11 +61,16 @@ impl Clearance {
         if !self.grid.bounds().contains(point) {
             return 0.0;
         }
-        // All cells at a smaller Chebyshev distance are free of walls.
         let (column, row) = (self.grid.column(point.x), self.grid.row(point.y));
         let distance = self.distances[(row + 1) * (self.grid.columns() + 2) + column + 1];
-        f64::from(distance.saturating_sub(1)) * self.grid.cell()
+        bound(distance, &self.grid)
     }
+}
+
+/// Lower bound of the distance from a point in a cell to the nearest cell with a wall, which is `distance` cells away, m.
+fn bound(distance: u8, grid: &Grid) -> f64 {
+    // All cells at a smaller Chebyshev distance are free of walls.
+    f64::from(distance.saturating_sub(1)) * grid.cell()
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ struct End {
 
 impl Ray {
     #[inline(always)]
-    fn end(self, point: DVec2) -> End {
+    fn end(&self, point: DVec2) -> End {
         let offset = point - self.origin;
         End { ahead: self.direction.dot(offset), side: self.direction.perp_dot(offset) }
     }
@@ -36,7 +36,7 @@ impl Ray {
     /// Distance along the ray to a wall, even beyond the ray's range; negative if the ray misses the wall.
     // `|` instead of `||`, because branch prediction would fail half of the time.
     #[inline(always)]
-    pub fn distance(self, segment: &Segment) -> f64 {
+    pub fn distance(&self, segment: &Segment) -> f64 {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
         let area = a.ahead * b.side - b.ahead * a.side;
         if (a.side.abs() <= self.rounding_error)
@@ -54,7 +54,7 @@ impl Ray {
     /// Same as [`Ray::distance`], for a wall on which the origin may lie, or of which the ray's line may touch an end.
     #[cold]
     #[inline(never)]
-    fn touch_distance(self, segment: &Segment, a: End, b: End) -> f64 {
+    fn touch_distance(&self, segment: &Segment, a: End, b: End) -> f64 {
         let is_left = (a.side > self.rounding_error) & (b.side > self.rounding_error);
         let is_right = (a.side < -self.rounding_error) & (b.side < -self.rounding_error);
         if is_left | is_right {
