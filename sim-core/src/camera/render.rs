@@ -35,7 +35,7 @@ const ROW_BYTES: usize = 3 * TILE as usize;
 
 /// Red, green and blue of a tile's row, from [rounded colours](round_colours).
 fn row_bytes(colours: &[i32]) -> [u8; ROW_BYTES] {
-    let [a, b, c, d, e, f, g, h] = std::array::from_fn(|pixel| colours[pixel] as u64);
+    let [a, b, c, d, e, f, g, h] = std::array::from_fn(|pixel| u64::from(colours[pixel] as u32 & 0xff_ffff));
     let words = [a | b << 24 | c << 48, c >> 16 | d << 8 | e << 32 | f << 56, f >> 8 | g << 16 | h << 40];
     let mut bytes = [0; ROW_BYTES];
     bytes.copy_from_slice(words.map(u64::to_le_bytes).as_flattened());

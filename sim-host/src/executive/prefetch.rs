@@ -11,6 +11,9 @@ const LINE: usize = 64;
 /// mapped are allowed.
 #[inline]
 pub fn prefetch(addresses: Range<*const u8>) {
+    if addresses.is_empty() {
+        return;
+    }
     let mut line = addresses.start.map_addr(|address| address & !(LINE - 1));
     while line < addresses.end {
         #[cfg(target_arch = "x86_64")]

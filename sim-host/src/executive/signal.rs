@@ -30,7 +30,7 @@ pub struct FlowBlock {
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
-    /// Stack pointer of a fiber at its last call that ran on the stack of its worker; 0 before the first.
+    /// Stack pointer of a fiber whose call runs on the stack of its worker; 0 at other times.
     pub caller_sp: AtomicUsize,
     /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
@@ -272,11 +272,9 @@ impl FlowBlock {
         self.fault_code.store(fault.code, Ordering::Relaxed);
         self.fault_address.store(fault.address, Ordering::Relaxed);
         self.fault_pc.store(fault.pc, Ordering::Relaxed);
-        // Within a call that runs on the worker's stack, the frames of the program are those above the call.
-        let [low, high] = self.stack_bounds();
+        // While a call runs on the worker's stack, the frames of the program are those above the call.
         let caller_sp = self.caller_sp.load(Ordering::Relaxed);
-        let is_on_worker = caller_sp != 0 && self.in_host.load(Ordering::Relaxed) && !(low..high).contains(&fault.sp);
-        self.fault_sp.store(if is_on_worker { caller_sp } else { fault.sp }, Ordering::Relaxed);
+        self.fault_sp.store(if caller_sp == 0 { fault.sp } else { caller_sp }, Ordering::Relaxed);
         self.store_unfinished();
     }
 

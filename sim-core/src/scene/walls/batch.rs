@@ -33,10 +33,10 @@ pub(super) struct WallBatches {
     /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
     batches: Vec<WallBatch>,
-    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 32 units in the last
-    /// place of the largest coordinate. On each axis, the coordinate of a wall's end, the ray's direction and the product of
-    /// both contribute 1 unit each; the sums over the axes and with the ray's own position add 4, and the comparison of two
-    /// such numbers 6. For a grid of 3 by 3 cells, ring included, 16 units remain for the margin.
+    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 16 units in the last
+    /// place of the largest coordinate, in a square grid 32. On each axis, the coordinate of a wall's end, the ray's direction
+    /// and the product of both contribute 1 unit each; the sums over the axes and with the ray's own position add 4, and the
+    /// comparison of two such numbers 6.
     slack: f32,
 }
 
@@ -106,7 +106,7 @@ impl WallBatches {
     /// follow.
     ///
     /// `start`, the point `passed` metres along the ray, lies within the grid, or outside it by no more than rounding.
-    #[expect(clippy::too_many_arguments, reason = "of one caller")]
+    #[expect(clippy::too_many_arguments, reason = "called once")]
     #[inline(always)]
     pub fn walk<S: Simd>(
         &self,

@@ -38,7 +38,7 @@ use super::program::RobotProgram;
 use super::run::Member;
 use super::shared_loop::{Job, SharedLoop};
 use super::signal::{self, FiberExits, FlowBlock, Handlers};
-use super::thread::{self as threads, JOIN_TIMEOUT};
+use super::thread::{self as threads, JOIN_TIMEOUT, STACK};
 use super::watchdog::{FlowSample, ReleaseTimer};
 use super::{Executor, damage, interrupt};
 use crate::program::float::{self, Environment};
@@ -252,7 +252,7 @@ impl RunningWorker {
                 unsafe { signal::set_current(&raw const own_worker.block) };
             }
         };
-        let thread = thread::Builder::new().name(format!("worker {number}")).spawn(body)?;
+        let thread = thread::Builder::new().name(format!("worker {number}")).stack_size(STACK).spawn(body)?;
         // The cell is still empty.
         let _ = worker.thread.set(thread.thread().clone());
         let running = Self { worker, thread };
@@ -543,7 +543,8 @@ impl Fiber {
         unsafe { switch::switch(&raw mut (*self.context.get()).sp, *(*worker).sp.get()) };
     }
 
-    /// Runs `work` on the stack of this fiber's worker; this fiber is the calling one. `work` must not suspend the fiber.
+    /// Runs `work` on the stack of this fiber's worker; this fiber is the calling one. `work` must neither
+    /// suspend the fiber nor make a call.
     ///
     /// All fibers of a worker share this stack, which therefore stays in the cache; of its own stack a fiber then touches only the
     /// frames of its program and of the entry of a call.
@@ -567,6 +568,7 @@ impl Fiber {
             let worker_sp = *(*WORKER.get()).sp.get();
             switch::call_on(self.block.caller_sp.as_ptr(), worker_sp, run, (&raw mut job).cast());
         }
+        self.block.caller_sp.store(0, Ordering::Relaxed);
         if let Some(payload) = job.panic {
             panic::resume_unwind(payload);
         }
