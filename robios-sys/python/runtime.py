@@ -431,37 +431,206 @@ def _out_numbers(name, values, target, result):
     return result
 
 
-class _FairLock:
-    """A fair lock of the channel: threads acquire it in the order of their requests."""
+def _always():
+    return True
+
+
+def _never():
+    return False
+
+
+class _Turn:
+    """A thread that waits for the run token: the lock on which it waits, and when it can continue."""
+
+    __slots__ = "may_run", "is_ready", "until_us", "was_ready"
 
     def __init__(self):
-        self.guard, self.waiting, self.owner = _thread.allocate_lock(), [], None
+        self.may_run, self.is_ready, self.until_us, self.was_ready = _thread.allocate_lock(), _always, None, True
 
-    def acquire(self):
-        """Acquires the channel. Returns False if the thread already holds it, in a function that the simulator has called."""
-        thread = _thread.get_ident()
-        if self.owner == thread:
-            return False
+    def wake(self):
+        if self.may_run.locked():
+            self.may_run.release()
+
+    def has_come(self, now_us):
+        self.was_ready = _is_stopped or self.is_ready()
+        return self.was_ready or self.until_us is not None and now_us >= self.until_us
+
+
+class _RunToken:
+    """Lets one thread of the program run at a time, so that the order of their calls depends on the program only.
+
+    The token passes on before calls, when a thread waits, and at its end, to the first thread of the queue that can
+    continue. If all wait, the thread that passes it on sleeps in virtual time for them. A thread that computes for long, or
+    waits outside of this module, loses the token to the queue, and joins the queue before its next call.
+    """
+
+    def __init__(self):
+        self.guard = _thread.allocate_lock()  # of the holder, the caller and the queue
+        self.holder, self.queue = _Turn(), []
+        self.caller = None  # identifier of the holder while it uses the channel or passes the token on
+        self.uses = 0  # number of uses of the channel
+        self.turns = {_thread.get_ident(): self.holder}  # by thread
+        self.others = set()  # identities of the threads besides the main thread that have not ended
+
+    def is_calling(self):
+        """Returns True in a function that the simulator has called during a call of this thread."""
+        return self.caller == _thread.get_ident()
+
+    def wait(self, is_ready, until_us=None):
+        """Lets the other threads run, until `is_ready()` is true or a virtual time. Returns False at that time."""
+        if self.is_calling():
+            return self._wait_in_call(is_ready, until_us)
+        turn = self._queue_up(is_ready, until_us)
+        if _is_stopped:
+            raise _Stop
+        return turn.was_ready
+
+    def yield_(self):
+        """Lets the other threads that can continue run first, if this thread has the token and is not in a call."""
+        if self.caller is None and self.holder is self._turn():
+            self._queue_up(_always)
+
+    def enter_call(self):
+        """Acquires the channel, after the calls of the other threads that can continue."""
+        if not _has_threads():
+            self.holder, self.caller = self._turn(), _thread.get_ident()
+            return
+        turn = self._queue_up(_always)
+        while not self._begin_to_pass_on(turn):  # this thread has lost the token already
+            self._queue_up(_always)
+
+    def leave_call(self):
+        self.uses, self.caller = self.uses + 1, None
+
+    def run_without(self, function, *arguments):
+        """Runs a function that waits outside of this module, without the token."""
+        self.enter_call()
+        self._pass_on()
+        try:
+            return function(*arguments)
+        finally:
+            self._queue_up(_always)
+
+    def start(self, starter, function, *arguments, **options):
+        """Starts a thread with `starter`; it begins when the token comes to it."""
+        turn, owner = _Turn(), getattr(function, "__self__", None)
+        identity = id(owner if hasattr(owner, "is_alive") else turn)
+        is_in_call = self.is_calling()  # which waits until the thread has begun
+
+        def run(*arguments, **options):
+            self.turns[_thread.get_ident()] = turn
+            try:
+                if not is_in_call:
+                    self._await(turn)
+                return function(*arguments, **options)
+            finally:
+                self.others.discard(identity)
+                del self.turns[_thread.get_ident()]
+                if self._begin_to_pass_on(turn):
+                    self._pass_on()
+
+        self.others.add(identity)
         with self.guard:
-            if self.owner is None:
-                self.owner = thread
-                return True
-            waiter = _thread.allocate_lock()
-            waiter.acquire()
-            self.waiting.append((thread, waiter))
-        waiter.acquire()
+            self.queue += [] if is_in_call else [turn]
+        try:
+            return starter(run, *arguments, **options)
+        except BaseException:
+            self.others.discard(identity)
+            with self.guard:
+                self.queue = [other for other in self.queue if other is not turn]
+            raise
+
+    def _turn(self):
+        """The turn of this thread, which may be one that the interpreter has not started."""
+        thread = _thread.get_ident()
+        if thread not in self.turns:
+            self.turns[thread] = _Turn()
+            self.others.add(thread)
+        return self.turns[thread]
+
+    def _queue_up(self, is_ready, until_us=None):
+        """Passes the token on, if this thread has it, and waits for it. Returns the thread's turn."""
+        turn = self._turn()
+        turn.is_ready, turn.until_us = is_ready, until_us
+        with self.guard:
+            self.queue.append(turn)
+        if self._begin_to_pass_on(turn):
+            self._pass_on(turn)
+        self._await(turn)
+        return turn
+
+    def _wait_in_call(self, is_ready, until_us):
+        """Waits in a function that the simulator has called: the channel belongs to this thread."""
+        while not is_ready():
+            if until_us is None:
+                _real_sleep(0.001)  # only a thread without the token can end this
+            elif not _sleep_towards(until_us):
+                return False
         return True
 
-    def release(self):
+    def _begin_to_pass_on(self, turn):
+        """Makes the thread of `turn` the caller; returns False if another thread holds the token."""
         with self.guard:
-            self.owner = None
-            if self.waiting:
-                self.owner, waiter = self.waiting.pop(0)
-                waiter.release()
+            if self.holder is None:
+                for other in self.queue:
+                    other.wake()  # it waits no longer for ever, but for this thread
+            elif self.holder is not turn:
+                return False
+            self.holder, self.caller = turn, _thread.get_ident()
+            return True
+
+    def _pass_on(self, turn=None):
+        """Gives the token of this thread, the caller, to a thread of the queue. An error leaves it with `turn`."""
+        try:
+            while not self._has_passed_on():
+                pass
+        except BaseException:
+            with self.guard:
+                self.holder = turn
+                if turn is not None:
+                    self.queue.remove(turn)
+            self.leave_call()
+            raise
+
+    def _has_passed_on(self):
+        times_us = [turn.until_us for turn in self.queue if turn.until_us is not None]
+        now_us = _now_us() if times_us and not _is_stopped else 0
+        next_turn = next((turn for turn in self.queue if turn.has_come(now_us)), None)
+        if next_turn is None and times_us:
+            _request(_support_sleep_us, (min(int(min(times_us)) - now_us, _SLICE_US),))
+            return False
+        with self.guard:
+            self.holder = next_turn
+            if next_turn is not None:
+                self.queue.remove(next_turn)
+                next_turn.wake()
+        self.leave_call()
+        return True
+
+    def _await(self, turn):
+        """Waits for the token, and takes it from a thread that keeps it for long without a call."""
+        uses, cpu_ns, since_ns = None, 0, 0
+        while self.holder is not turn:
+            # Without a holder, the next thread that comes passes the token on.
+            is_patient = self.holder is None or not self.others
+            turn.may_run.acquire(True, -1 if is_patient else _PATIENCE_NS / 1e9)
+            with self.guard:
+                if self.holder is None or self.holder is turn:
+                    continue
+                if self.uses != uses or self.caller is not None:
+                    uses, cpu_ns, since_ns = self.uses, _processor_time_ns(), _real_time_ns()
+                    continue
+                spent_ns, waited_ns = _processor_time_ns() - cpu_ns, _real_time_ns() - since_ns
+                if spent_ns < _PATIENCE_NS and (waited_ns < _PATIENCE_NS or spent_ns > waited_ns // 100):
+                    continue
+                self.holder, self.caller = turn, _thread.get_ident()
+            self._pass_on(turn)
 
 
-_channel_lock = _FairLock()
-_real_sleep = _time.sleep
+# Processor time, and real time without any, after which the other threads of the program do not wait for the running one.
+_PATIENCE_NS = 200_000_000
+_real_sleep, _real_time_ns, _processor_time_ns = _time.sleep, _time.perf_counter_ns, _time.process_time_ns
+_token = _RunToken()
 
 
 def _exchange(kind, body):
@@ -533,25 +702,21 @@ def _wait_by_polling(name, values):
     """Executes a waiting call by polling, so that other threads of the program can make calls in between. Returns None if the normal
     blocking call should be used."""
     if name == "OSWait" or name == "sleep_us":
-        deadline_us = _now_us() + (1000 if name == "OSWait" else 1) * int(values[0])
-        remaining_us = deadline_us - _now_us()
-        while remaining_us > 0:
-            _request(_support_sleep_us, (min(remaining_us, _SLICE_US),))
-            remaining_us = deadline_us - _now_us()
+        _token.wait(_never, _now_us() + (1000 if name == "OSWait" else 1) * int(values[0]))
         return [_Number(0)]
     polled_calls = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead, "RADIOReceive": _RADIOCheck}
     if name not in polled_calls or name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
         return None
     answer = _call(polled_calls[name])[-1]
     while not answer:
-        _request(_support_sleep_us, (_SLICE_US,))
+        _token.wait(_never, _now_us() + _SLICE_US)
         answer = _call(polled_calls[name])[-1]
     return {"VWWait": [_Number(0)], "RADIOReceive": None}.get(name, [answer])
 
 
 def _call(row, *values):
     """Calls a table function; returns its outputs in order, then its result."""
-    if row[0] in _WAITING and _has_threads() and _channel_lock.owner != _thread.get_ident():
+    if row[0] in _WAITING and _has_threads() and not _token.is_calling():
         answer = _wait_by_polling(row[0], values)
         if answer is not None:
             return answer
@@ -560,7 +725,7 @@ def _call(row, *values):
 
 def _has_threads():
     """Returns True if the program has several threads, whose calls interleave."""
-    return _thread._count() > 0
+    return bool(_token.others) or _thread.get_ident() not in _token.turns
 
 
 _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
@@ -578,12 +743,14 @@ def _hint_at_truncation(name, value):
 
 
 def _request(row, values):
-    global _callback_error, _is_stopped
+    global _callback_error, _clock_readings, _is_stopped
     name, function_list, number, kinds, result = row
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
     if _is_stopped and function_list == 7:
         _refuse()
+    if row is not _support_time_us:
+        _clock_readings = 0
     file, line = _call_location()
     file = file.encode("utf-8", "replace")
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
@@ -612,9 +779,9 @@ def _request(row, values):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
-    if _has_threads() and _channel_lock.owner != _thread.get_ident():
-        _real_sleep(0.0001)  # until the other threads make their next calls, which then precede the next call of this one
-    is_first = _channel_lock.acquire()
+    is_first = not _token.is_calling()
+    if is_first:
+        _token.enter_call()
     try:
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
@@ -625,7 +792,7 @@ def _request(row, values):
         raise
     finally:
         if is_first:
-            _channel_lock.release()
+            _token.leave_call()
     offset, written = 0, []
     for kind in kinds:
         if kind in "oOe":
@@ -1301,7 +1468,20 @@ class _Input(_io.RawIOBase):
 
 
 def _now_us():
-    return int(_call(_support_time_us)[0])
+    return int(_request(_support_time_us, ())[0])
+
+
+_clock_readings = 0  # in succession, without another call
+
+
+def _read_clock_us():
+    """Virtual time for the program. A loop that only reads the clock takes 0.1 ms a turn after 100 turns, and 1 ms after 1000."""
+    global _clock_readings
+    readings = _clock_readings + 1
+    if readings > 100:
+        _call(_support_sleep_us, 100 if readings <= 1000 else 1000)
+    now_us, _clock_readings = int(_call(_support_time_us)[0]), readings
+    return now_us
 
 
 def _sleep(seconds):
@@ -1325,69 +1505,59 @@ def _sleep_towards(until_us):
 
 def _replace_time_and_randomness():
     """Replaces the machine's time and randomness in Python's modules by virtual time and the robot's random stream."""
+    import functools
     import select
     import threading
 
-    def wait(condition, timeout=None):
-        if timeout is None:
-            return original_wait(condition)
-        until, is_notified = _now_us() + timeout * 1e6, False
-        waiter = _thread.allocate_lock()
-        waiter.acquire()
-        condition._waiters.append(waiter)
-        state = condition._release_save()
-        try:
-            while not is_notified and _sleep_towards(until):
-                is_notified = waiter.acquire(False)
-            return is_notified
-        finally:
-            condition._acquire_restore(state)
-            if not is_notified and waiter in condition._waiters:
-                condition._waiters.remove(waiter)
-
     class Lock:
         def __init__(self):
-            self._lock = _thread.allocate_lock()
-            self.release, self.locked = self._lock.release, self._lock.locked
-            self._at_fork_reinit = self._lock._at_fork_reinit
+            self._lock, self._waiting = _thread.allocate_lock(), 0
+            self.locked, self._at_fork_reinit = self._lock.locked, getattr(self._lock, "_at_fork_reinit", None)
 
         def acquire(self, blocking=True, timeout=-1):
-            return acquire(self._lock.acquire, blocking, timeout)
+            if not blocking or timeout <= 0 and timeout != -1:
+                return self._lock.acquire(blocking, timeout)
+            self._waiting += 1
+            try:
+                return wait_for(lambda: self._lock.acquire(False), None if timeout == -1 else timeout)
+            finally:
+                self._waiting -= 1
+
+        def release(self):
+            self._lock.release()
+            if self._waiting:
+                _token.yield_()
 
         __enter__ = acquire
 
         def __exit__(self, *_):
             self.release()
 
-    class RLock(_thread.RLock):
+    class RLock(threading._PyRLock):
         def acquire(self, blocking=True, timeout=-1):
-            return acquire(super().acquire, blocking, timeout)
+            return bool(super().acquire(blocking, timeout))
 
         __enter__ = acquire
 
-    def acquire(lock, blocking, timeout):
-        if timeout <= 0:
-            return lock(blocking, timeout)
-        if not blocking:
-            raise ValueError("can't specify a timeout for a non-blocking call")
-        until = _now_us() + timeout * 1e6
-        while not lock(False):
-            if not _sleep_towards(until):
-                return False
-        return True
+    def wait_for(is_ready, timeout):
+        if is_ready():
+            return True
+        return _token.wait(is_ready, None if timeout is None else _now_us() + int(timeout * 1e6))
 
     def join(thread, timeout=None):
-        if timeout is None:
-            return original_join(thread)
-        until = _now_us() + timeout * 1e6
-        original_join(thread, 0)
-        while thread.is_alive() and _sleep_towards(until):
-            pass
+        original_join(thread, 0)  # raises an exception unless the thread may be joined
+        if wait_for(lambda: id(thread) not in _token.others, timeout):
+            original_join(thread)
+
+    def is_alive(thread):
+        foreign = isinstance(thread, (threading._MainThread, threading._DummyThread))
+        return original_is_alive(thread) and (foreign or id(thread) in _token.others)
 
     class Select:  # a function would become a method of a class that has it as attribute
         def __call__(self, readers, writers, others, timeout=None):
             if timeout is None:
-                return original_select(readers, writers, others)
+                select = original_select if not _has_threads() else lambda *files: _token.run_without(original_select, *files)
+                return select(readers, writers, others)
             until = _now_us() + timeout * 1e6
             while True:
                 ready = original_select(readers, writers, others, 0)
@@ -1399,19 +1569,25 @@ def _replace_time_and_randomness():
             original_excepthook(arguments)
 
     original_excepthook, threading.excepthook = threading.excepthook, excepthook
-    original_wait, threading.Condition.wait = threading.Condition.wait, wait
     original_join, threading.Thread.join = threading.Thread.join, join
-    threading.Lock, threading._CRLock = Lock, RLock
+    original_is_alive, threading.Thread.is_alive = threading.Thread.is_alive, is_alive
+    threading.Lock = threading._allocate_lock = Lock
+    threading._CRLock, _sys.modules["_queue"] = RLock, None  # `queue` then uses its form in Python, and thus `Lock`
+    for module, prefix in ((threading, "_"), (_thread, "")):
+        for name in (prefix + "start_new_thread", prefix + "start_joinable_thread"):
+            if hasattr(module, name):
+                setattr(module, name, functools.partial(_token.start, getattr(module, name)))
     original_select, select.select = select.select, Select()
-    # `selectors`, and thus asyncio, uses `select` if none of these exists.
+    # `selectors`, and thus asyncio, uses `select` if none of these exists. Some modules of Python 3.10 import it before.
+    _sys.modules.pop("selectors", None)
     for name in ("epoll", "poll", "devpoll", "kqueue"):
         vars(select).pop(name, None)
     _os.urandom = _random._urandom = _urandom
     _random.seed(_call(_support_random, 1)[0])
     _time.sleep = _sleep
     for name in _CLOCKS:
-        setattr(_time, name, lambda: _now_us() / 1e6)
-        setattr(_time, name + "_ns", lambda: _now_us() * 1000)
+        setattr(_time, name, lambda: _read_clock_us() / 1e6)
+        setattr(_time, name + "_ns", lambda: _read_clock_us() * 1000)
     # Clock for the timeouts of semaphores, barriers and `wait_for`.
     threading._time = _time.monotonic
 
@@ -1443,9 +1619,6 @@ def _watch_imports(channel):
                 _struct.pack_into("<II", channel.memory, _IMPORTING, 0, spent_ns // 1000000)
 
     bootstrap._find_and_load = load
-
-
-_processor_time_ns = _time.process_time_ns
 
 
 # Files whose frames do not belong to the program.
@@ -1659,11 +1832,14 @@ def _run(path):
     try:
         threading = _sys.modules.get("threading")
         if threading is not None:
-            threading._shutdown()  # waits for the threads that are not daemons
+            while getattr(threading, "_threading_atexits", None):
+                threading._threading_atexits.pop()()
+            _token.wait(lambda: all(thread.daemon or id(thread) not in _token.others for thread in threading.enumerate()))
+            threading._shutdown()
         atexit._run_exitfuncs()
     except BaseException:
         pass  # the host has gone
-    _channel_lock.acquire()  # from now on, daemon threads can make no calls
+    _token.enter_call()  # from now on, daemon threads can make no calls
     for stream in _consoles:
         stream.finish()
     return exit_code

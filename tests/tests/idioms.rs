@@ -53,6 +53,11 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
         &["-1"],
     ),
     (
+        "clock.py",
+        "import time\nfrom eye import *\nstart = time.time()\nwhile time.time() - start < 3:\n    pass\nprint(round(time.time() - start, 2))\n",
+        &["3.0"],
+    ),
+    (
         "locks.py",
         "import threading, time\nfrom eye import *\ndef now():\n    return round(time.time(), 1)\nlock = threading.Lock()\nlock.acquire()\n\
          print(lock.acquire(timeout=0.5), lock.acquire(blocking=False), lock.locked(), now())\nthreading.Timer(0.5, lock.release).start()\n\

@@ -80,6 +80,94 @@ fn what_threads_print_is_not_lost() {
     }
 }
 
+/// Threads that share a queue and a lock, a pool of threads, threads of asyncio, one that a timer starts, one that waits
+/// outside of Python's locks, and a loop that waits for a variable.
+const THREADS: &str = r#"
+import asyncio, os, queue, random, threading, time
+from concurrent.futures import ThreadPoolExecutor
+from eye import *
+jobs, done, lock = queue.Queue(3), queue.SimpleQueue(), threading.RLock()
+def produce(name):
+    for number in range(5):
+        jobs.put((name, number, PSDGet(1)))
+        OSWait(random.randrange(30))
+    done.put(name)
+def consume():
+    for name, number, distance in iter(jobs.get, None):
+        with lock, lock:
+            print(name, number, distance, OSGetCount())
+            OSWait(5)
+producers = [threading.Thread(target=produce, args=(name,)) for name in "abc"]
+consumers = [threading.Thread(target=consume) for _ in range(2)]
+[thread.start() for thread in producers + consumers]
+VWStraight(200, 100)
+VWWait()
+[thread.join() for thread in producers]
+jobs.put(None), jobs.put(None)
+[thread.join() for thread in consumers]
+print([done.get() for _ in range(3)], [thread.is_alive() for thread in consumers])
+with ThreadPoolExecutor(3) as pool:
+    start = OSGetCount()
+    print(list(pool.map(lambda ms: (OSWait(ms), OSGetCount() - start)[1], [30, 10, 20])))
+async def gather():
+    loop, start = asyncio.get_running_loop(), OSGetCount()
+    await asyncio.gather(loop.run_in_executor(None, OSWait, 50), asyncio.sleep(0.1), loop.run_in_executor(None, time.sleep, 0.3))
+    print("gathered", OSGetCount() - start)
+asyncio.run(gather())
+reader, writer = os.pipe()
+threading.Thread(target=lambda: print("read", os.read(reader, 1))).start()
+OSWait(100)
+os.write(writer, b"x")
+is_set = False
+def set_it():
+    global is_set
+    OSWait(100)
+    is_set = True
+threading.Thread(target=set_it).start()
+while not is_set:
+    pass
+ticks = 0
+def tick():
+    global ticks
+    ticks += 1
+    if ticks == 3:
+        threading.Thread(target=print, args=("tick", 3)).start()
+timer = OSAttachTimer(20, tick)
+OSWait(200)
+OSDetachTimer(timer)
+def spin():
+    while True:
+        OSWait(1)
+threading.Thread(target=spin, daemon=True).start()
+ThreadPoolExecutor(2).submit(lambda: (OSWait(100), print("last")))
+"#;
+
+#[test]
+fn threads_of_python_call_in_the_same_order_in_each_run() {
+    if !has("python3", "pass") {
+        return;
+    }
+    let ran = [(); 2].map(|()| run(&[("a.py", THREADS)], "a.py", &[]).1);
+    assert_eq!(ran[0].code, Some(0), "{ran:#?}");
+    let digest = |ran: &Ran| ran.stdout.lines().find(|line| line.starts_with("digest ")).expect("a digest").to_owned();
+    assert_eq!(digest(&ran[0]), digest(&ran[1]), "{ran:#?}");
+    for said in ["['a', 'b', 'c'] [False, False]", "[30, 10, 20]", "gathered 300", "read b'x'", "tick 3", "last"] {
+        assert!(ran[0].stdout.contains(&format!("] {said}\n")), "{said}: {ran:#?}");
+    }
+}
+
+#[test]
+fn threads_of_python_that_wait_for_each_other_are_told() {
+    if !has("python3", "pass") {
+        return;
+    }
+    let program = "import threading\nfrom eye import *\na, b = threading.Lock(), threading.Lock()\n\
+        def crossed():\n    with b:\n        OSWait(10)\n        a.acquire()\nthreading.Thread(target=crossed).start()\n\
+        with a:\n    OSWait(10)\n    b.acquire()\n";
+    let (_, ran) = run(&[("a.py", program)], "a.py", &["--timeout", "2"]);
+    assert!(ran.stdout.contains("too long without a RoBIOS call at a.py:11"), "{ran:#?}");
+}
+
 #[test]
 fn a_module_that_computes_long_while_it_is_imported_is_no_endless_loop() {
     if !has("python3", "pass") {
