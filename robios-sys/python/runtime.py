@@ -439,21 +439,25 @@ def _never():
     return False
 
 
+_allocate_lock = _thread.allocate_lock
+
+
 class _Turn:
-    """A thread that waits for the run token: the lock on which it waits, and when it can continue."""
+    """A thread in the queue of the run token."""
 
-    __slots__ = "may_run", "is_ready", "until_us", "was_ready"
+    __slots__ = "thread", "is_ready", "until_us", "block", "may_look", "result"
 
-    def __init__(self):
-        self.may_run, self.is_ready, self.until_us, self.was_ready = _thread.allocate_lock(), _always, None, True
+    def __init__(self, thread, is_ready=_always, until_us=None, block=None):
+        self.thread = thread  # identifier; None until the thread has begun
+        self.is_ready = is_ready  # may take a lock for the thread; any thread calls it
+        self.until_us = until_us
+        self.block = block  # waits for what comes from outside of the program, while all threads wait
+        self.may_look = _allocate_lock()
+        self.result = None  # once the token has been passed to the thread: False if its time has come first
 
     def wake(self):
-        if self.may_run.locked():
-            self.may_run.release()
-
-    def has_come(self, now_us):
-        self.was_ready = _is_stopped or self.is_ready()
-        return self.was_ready or self.until_us is not None and now_us >= self.until_us
+        if self.may_look.locked():
+            self.may_look.release()
 
 
 class _RunToken:
@@ -465,157 +469,192 @@ class _RunToken:
     """
 
     def __init__(self):
-        self.guard = _thread.allocate_lock()  # of the holder, the caller and the queue
-        self.holder, self.queue = _Turn(), []
+        # Of all fields. Signal handlers and destructors may enter it again.
+        self.guard = _thread.RLock()
+        self.main = _thread.get_ident()
+        self.holder = _Turn(self.main)  # by which the running thread got the token; None if all threads wait
         self.caller = None  # identifier of the holder while it uses the channel or passes the token on
+        self.queue = []
         self.uses = 0  # number of uses of the channel
-        self.turns = {_thread.get_ident(): self.holder}  # by thread
-        self.others = set()  # identities of the threads besides the main thread that have not ended
+        self.changes = 0  # number of changes by threads without the token
+        self.started = set()  # identities of the threads that the program has started and that have not ended
+        self.error = None  # exception of a timer's function, for the main thread
 
     def is_calling(self):
         """Returns True in a function that the simulator has called during a call of this thread."""
         return self.caller == _thread.get_ident()
 
-    def wait(self, is_ready, until_us=None):
+    def wait(self, is_ready, until_us=None, block=None):
         """Lets the other threads run, until `is_ready()` is true or a virtual time. Returns False at that time."""
         if self.is_calling():
             return self._wait_in_call(is_ready, until_us)
-        turn = self._queue_up(is_ready, until_us)
+        result = self._queue_up(is_ready, until_us, block)
         if _is_stopped:
             raise _Stop
-        return turn.was_ready
+        return result
 
-    def yield_(self):
-        """Lets the other threads that can continue run first, if this thread has the token and is not in a call."""
-        if self.caller is None and self.holder is self._turn():
-            self._queue_up(_always)
+    def notify(self):
+        """Lets the threads run that a change of this thread may have made ready."""
+        with self.guard:
+            self.changes += 1
+            may_pass_on = self.caller is None and (self.holder is None or self._is_holder())
+        if may_pass_on:
+            self._queue_up()
 
     def enter_call(self):
         """Acquires the channel, after the calls of the other threads that can continue."""
-        if not _has_threads():
-            self.holder, self.caller = self._turn(), _thread.get_ident()
-            return
-        turn = self._queue_up(_always)
-        while not self._begin_to_pass_on(turn):  # this thread has lost the token already
-            self._queue_up(_always)
+        with self.guard:
+            if not self.started and not self.queue and self._begin_to_pass_on():
+                return
+        self._queue_up()
+        while not self._begin_to_pass_on():  # this thread has lost the token already
+            self._queue_up()
 
     def leave_call(self):
-        self.uses, self.caller = self.uses + 1, None
-
-    def run_without(self, function, *arguments):
-        """Runs a function that waits outside of this module, without the token."""
-        self.enter_call()
-        self._pass_on()
-        try:
-            return function(*arguments)
-        finally:
-            self._queue_up(_always)
+        with self.guard:
+            self.uses, self.caller = self.uses + 1, None
 
     def start(self, starter, function, *arguments, **options):
         """Starts a thread with `starter`; it begins when the token comes to it."""
-        turn, owner = _Turn(), getattr(function, "__self__", None)
-        identity = id(owner if hasattr(owner, "is_alive") else turn)
+        turn = _Turn(None)
+        is_of_threading = getattr(function, "__name__", "") == "_bootstrap"
+        identity = id(function.__self__ if is_of_threading else turn)
         is_in_call = self.is_calling()  # which waits until the thread has begun
 
         def run(*arguments, **options):
-            self.turns[_thread.get_ident()] = turn
+            turn.thread = _thread.get_ident()
             try:
                 if not is_in_call:
                     self._await(turn)
-                return function(*arguments, **options)
+                try:
+                    return function(*arguments, **options)
+                finally:
+                    for console in _consoles:
+                        console.flush()
             finally:
-                self.others.discard(identity)
-                del self.turns[_thread.get_ident()]
-                if self._begin_to_pass_on(turn):
+                with self.guard:
+                    self.started.discard(identity)
+                    self._remove(turn)
+                if self._begin_to_pass_on():
                     self._pass_on()
 
-        self.others.add(identity)
         with self.guard:
+            self.started.add(identity)
             self.queue += [] if is_in_call else [turn]
         try:
-            return starter(run, *arguments, **options)
+            result = starter(run, *arguments, **options)
         except BaseException:
-            self.others.discard(identity)
             with self.guard:
-                self.queue = [other for other in self.queue if other is not turn]
+                self.started.discard(identity)
+                self._remove(turn)
             raise
+        self.notify()
+        return result
 
-    def _turn(self):
-        """The turn of this thread, which may be one that the interpreter has not started."""
-        thread = _thread.get_ident()
-        if thread not in self.turns:
-            self.turns[thread] = _Turn()
-            self.others.add(thread)
-        return self.turns[thread]
+    def _is_holder(self):
+        return self.holder is not None and self.holder.thread == _thread.get_ident()
 
-    def _queue_up(self, is_ready, until_us=None):
-        """Passes the token on, if this thread has it, and waits for it. Returns the thread's turn."""
-        turn = self._turn()
-        turn.is_ready, turn.until_us = is_ready, until_us
+    def _remove(self, turn):
+        if turn in self.queue:
+            self.queue.remove(turn)
+
+    def _queue_up(self, is_ready=_always, until_us=None, block=None):
+        """Passes the token on, if this thread has it, and waits for it. Returns False at the time `until_us`."""
+        turn = _Turn(_thread.get_ident(), is_ready, until_us, block)
         with self.guard:
             self.queue.append(turn)
-        if self._begin_to_pass_on(turn):
-            self._pass_on(turn)
-        self._await(turn)
-        return turn
+        try:
+            if self._begin_to_pass_on():
+                self._pass_on()
+            self._await(turn)
+        finally:
+            with self.guard:
+                self._remove(turn)
+        if self.error is not None and turn.thread == self.main:
+            error, self.error = self.error, None
+            raise error
+        return turn.result
 
     def _wait_in_call(self, is_ready, until_us):
-        """Waits in a function that the simulator has called: the channel belongs to this thread."""
+        """Waits in a function that the simulator has called: only a thread that has no token can run meanwhile."""
+        start_ns = _real_time_ns()
         while not is_ready():
-            if until_us is None:
-                _real_sleep(0.001)  # only a thread without the token can end this
-            elif not _sleep_towards(until_us):
+            if until_us is not None and not _sleep_towards(until_us):
                 return False
+            if _real_time_ns() - start_ns > 5 * _PATIENCE_NS:
+                raise RuntimeError("a timer's function waits for a thread that waits for the end of the function")
+            _real_sleep(0.001)
         return True
 
-    def _begin_to_pass_on(self, turn):
-        """Makes the thread of `turn` the caller; returns False if another thread holds the token."""
+    def _begin_to_pass_on(self):
+        """Makes this thread the caller; returns False if another thread has the token."""
         with self.guard:
             if self.holder is None:
-                for other in self.queue:
-                    other.wake()  # it waits no longer for ever, but for this thread
-            elif self.holder is not turn:
+                self.holder = _Turn(_thread.get_ident())
+                for turn in self.queue:
+                    turn.wake()  # it waits no longer for ever, but for this thread
+            elif not self._is_holder():
+                self.changes += 1
                 return False
-            self.holder, self.caller = turn, _thread.get_ident()
+            self.caller = _thread.get_ident()
             return True
 
-    def _pass_on(self, turn=None):
-        """Gives the token of this thread, the caller, to a thread of the queue. An error leaves it with `turn`."""
+    def _pass_on(self):
+        """Gives the token of this thread, the caller, to a thread of the queue that can continue, or to none."""
         try:
             while not self._has_passed_on():
                 pass
-        except BaseException:
-            with self.guard:
-                self.holder = turn
-                if turn is not None:
-                    self.queue.remove(turn)
+        except BaseException:  # of a signal handler
             self.leave_call()
             raise
 
     def _has_passed_on(self):
-        times_us = [turn.until_us for turn in self.queue if turn.until_us is not None]
-        now_us = _now_us() if times_us and not _is_stopped else 0
-        next_turn = next((turn for turn in self.queue if turn.has_come(now_us)), None)
-        if next_turn is None and times_us:
-            _request(_support_sleep_us, (min(int(min(times_us)) - now_us, _SLICE_US),))
+        changes, queue = self.changes, list(self.queue)
+        times_us = [turn.until_us for turn in queue if turn.until_us is not None]
+        try:
+            now_us = _now_us() if times_us and not _is_stopped else 0
+            turn, result = self._first_of(queue, now_us)
+            if turn is None and times_us:
+                _request(_support_sleep_us, (min(min(times_us) - now_us, _SLICE_US),))
+                return False
+        except _Stop:
+            return False  # now all threads can continue
+        except Exception as error:
+            self.error = error
             return False
         with self.guard:
-            self.holder = next_turn
-            if next_turn is not None:
-                self.queue.remove(next_turn)
-                next_turn.wake()
-        self.leave_call()
+            if turn not in self.queue if turn else changes != self.changes:
+                return False
+            self.holder, self.caller, self.uses = turn, None, self.uses + 1
+            if turn is not None:
+                turn.result = result
+                self.queue.remove(turn)
+                turn.wake()
         return True
+
+    def _first_of(self, queue, now_us):
+        """The first thread of the queue that can continue, and what `wait` returns in it."""
+        for turn in queue:
+            if _is_stopped or self.error is not None and turn.thread == self.main or turn.is_ready():
+                return turn, True
+            if turn.until_us is not None and now_us >= turn.until_us:
+                return turn, False
+        return None, None
 
     def _await(self, turn):
         """Waits for the token, and takes it from a thread that keeps it for long without a call."""
         uses, cpu_ns, since_ns = None, 0, 0
-        while self.holder is not turn:
-            # Without a holder, the next thread that comes passes the token on.
-            is_patient = self.holder is None or not self.others
-            turn.may_run.acquire(True, -1 if is_patient else _PATIENCE_NS / 1e9)
+        while turn.result is None:
+            # Without a holder, the next thread that does something passes the token on.
+            is_idle = self.holder is None
+            if is_idle and turn.block is not None:
+                turn.block()
+                if self._begin_to_pass_on():
+                    self._pass_on()
+                continue
+            turn.may_look.acquire(True, -1 if is_idle else _PATIENCE_NS / 1e9)
             with self.guard:
-                if self.holder is None or self.holder is turn:
+                if turn.result is not None or self.holder is None:
                     continue
                 if self.uses != uses or self.caller is not None:
                     uses, cpu_ns, since_ns = self.uses, _processor_time_ns(), _real_time_ns()
@@ -623,8 +662,8 @@ class _RunToken:
                 spent_ns, waited_ns = _processor_time_ns() - cpu_ns, _real_time_ns() - since_ns
                 if spent_ns < _PATIENCE_NS and (waited_ns < _PATIENCE_NS or spent_ns > waited_ns // 100):
                     continue
-                self.holder, self.caller = turn, _thread.get_ident()
-            self._pass_on(turn)
+                self.holder, self.caller = turn, turn.thread
+            self._pass_on()
 
 
 # Processor time, and real time without any, after which the other threads of the program do not wait for the running one.
@@ -725,7 +764,7 @@ def _call(row, *values):
 
 def _has_threads():
     """Returns True if the program has several threads, whose calls interleave."""
-    return bool(_token.others) or _thread.get_ident() not in _token.turns
+    return bool(_token.started) or _thread.get_ident() != _token.main
 
 
 _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
@@ -1422,7 +1461,7 @@ class _Console:
 
     def finish(self):
         """Prints the incomplete lines of all threads."""
-        for thread in sorted(self.lines):
+        for thread in list(self.lines):
             self._send(self.lines.pop(thread))
 
     def _send(self, text):
@@ -1511,22 +1550,33 @@ def _replace_time_and_randomness():
 
     class Lock:
         def __init__(self):
-            self._lock, self._waiting = _thread.allocate_lock(), 0
+            self._lock, self._waiting = _allocate_lock(), 0
             self.locked, self._at_fork_reinit = self._lock.locked, getattr(self._lock, "_at_fork_reinit", None)
 
         def acquire(self, blocking=True, timeout=-1):
             if not blocking or timeout <= 0 and timeout != -1:
                 return self._lock.acquire(blocking, timeout)
+            is_mine = False
+
+            def take():
+                nonlocal is_mine
+                is_mine = self._lock.acquire(False)
+                return is_mine
+
             self._waiting += 1
             try:
-                return wait_for(lambda: self._lock.acquire(False), None if timeout == -1 else timeout)
+                return wait_for(take, None if timeout == -1 else timeout)
+            except BaseException:
+                if is_mine:
+                    self.release()
+                raise
             finally:
                 self._waiting -= 1
 
         def release(self):
             self._lock.release()
             if self._waiting:
-                _token.yield_()
+                _token.notify()
 
         __enter__ = acquire
 
@@ -1539,30 +1589,30 @@ def _replace_time_and_randomness():
 
         __enter__ = acquire
 
-    def wait_for(is_ready, timeout):
+    def wait_for(is_ready, timeout, block=None):
         if is_ready():
             return True
-        return _token.wait(is_ready, None if timeout is None else _now_us() + int(timeout * 1e6))
+        return _token.wait(is_ready, None if timeout is None else _now_us() + int(timeout * 1e6), block)
 
     def join(thread, timeout=None):
         original_join(thread, 0)  # raises an exception unless the thread may be joined
-        if wait_for(lambda: id(thread) not in _token.others, timeout):
+        if wait_for(lambda: id(thread) not in _token.started, timeout):
             original_join(thread)
 
     def is_alive(thread):
         foreign = isinstance(thread, (threading._MainThread, threading._DummyThread))
-        return original_is_alive(thread) and (foreign or id(thread) in _token.others)
+        return original_is_alive(thread) and (foreign or id(thread) in _token.started)
 
     class Select:  # a function would become a method of a class that has it as attribute
         def __call__(self, readers, writers, others, timeout=None):
-            if timeout is None:
-                select = original_select if not _has_threads() else lambda *files: _token.run_without(original_select, *files)
-                return select(readers, writers, others)
-            until = _now_us() + timeout * 1e6
-            while True:
-                ready = original_select(readers, writers, others, 0)
-                if any(ready) or not _sleep_towards(until):
-                    return ready
+            ready = []
+
+            def is_ready():
+                ready[:] = original_select(readers, writers, others, 0)
+                return any(ready)
+
+            wait_for(is_ready, timeout, lambda: original_select(readers, writers, others))
+            return tuple(ready)
 
     def excepthook(arguments):
         if not issubclass(arguments.exc_type, _Stop):  # otherwise the program is stopped with all its threads
@@ -1571,7 +1621,7 @@ def _replace_time_and_randomness():
     original_excepthook, threading.excepthook = threading.excepthook, excepthook
     original_join, threading.Thread.join = threading.Thread.join, join
     original_is_alive, threading.Thread.is_alive = threading.Thread.is_alive, is_alive
-    threading.Lock = threading._allocate_lock = Lock
+    threading.Lock = threading._allocate_lock = _thread.allocate_lock = Lock
     threading._CRLock, _sys.modules["_queue"] = RLock, None  # `queue` then uses its form in Python, and thus `Lock`
     for module, prefix in ((threading, "_"), (_thread, "")):
         for name in (prefix + "start_new_thread", prefix + "start_joinable_thread"):
@@ -1834,12 +1884,19 @@ def _run(path):
         if threading is not None:
             while getattr(threading, "_threading_atexits", None):
                 threading._threading_atexits.pop()()
-            _token.wait(lambda: all(thread.daemon or id(thread) not in _token.others for thread in threading.enumerate()))
+            _token.wait(lambda: all(thread.daemon or id(thread) not in _token.started for thread in threading.enumerate()))
             threading._shutdown()
         atexit._run_exitfuncs()
+    except _Stop:
+        pass
     except BaseException:
-        pass  # the host has gone
-    _token.enter_call()  # from now on, daemon threads can make no calls
+        if not _is_stopped:
+            _report_error(path)
+        exit_code = exit_code or 1
+    try:
+        _token.enter_call()  # from now on, daemon threads can make no calls
+    except BaseException:
+        pass  # the error of a timer's function came too late
     for stream in _consoles:
         stream.finish()
     return exit_code

@@ -115,9 +115,11 @@ async def gather():
     print("gathered", OSGetCount() - start)
 asyncio.run(gather())
 reader, writer = os.pipe()
-threading.Thread(target=lambda: print("read", os.read(reader, 1))).start()
+outside = threading.Thread(target=lambda: print("read", os.read(reader, 1)))
+outside.start()
 OSWait(100)
 os.write(writer, b"x")
+outside.join()
 is_set = False
 def set_it():
     global is_set
@@ -135,6 +137,14 @@ def tick():
 timer = OSAttachTimer(20, tick)
 OSWait(200)
 OSDetachTimer(timer)
+def fail():
+    raise ValueError
+timer = OSAttachTimer(20, fail)
+try:
+    threading.Event().wait(1)
+except ValueError:
+    print("raised in the main thread", threading.current_thread() is threading.main_thread())
+OSDetachTimer(timer)
 def spin():
     while True:
         OSWait(1)
@@ -151,7 +161,15 @@ fn threads_of_python_call_in_the_same_order_in_each_run() {
     assert_eq!(ran[0].code, Some(0), "{ran:#?}");
     let digest = |ran: &Ran| ran.stdout.lines().find(|line| line.starts_with("digest ")).expect("a digest").to_owned();
     assert_eq!(digest(&ran[0]), digest(&ran[1]), "{ran:#?}");
-    for said in ["['a', 'b', 'c'] [False, False]", "[30, 10, 20]", "gathered 300", "read b'x'", "tick 3", "last"] {
+    for said in [
+        "['a', 'b', 'c'] [False, False]",
+        "[30, 10, 20]",
+        "gathered 300",
+        "read b'x'",
+        "tick 3",
+        "raised in the main thread True",
+        "last",
+    ] {
         assert!(ran[0].stdout.contains(&format!("] {said}\n")), "{said}: {ran:#?}");
     }
 }
