@@ -16,7 +16,7 @@ RUN curl --proto =https -sSfo /tmp/rustup-init "https://static.rust-lang.org/rus
 
 FROM dev AS wheel
 COPY . .
-RUN python3 -m venv /tools && /tools/bin/pip install -q 'maturin>=1.9,<2' && PATH=/tools/bin:$PATH python/wheel --quiet --out /wheels
+RUN python3 -m venv /tools && /tools/bin/pip install -q 'maturin>=1.9,<2' && PATH=/tools/bin:$PATH python/wheel --quiet --profile dist --out /wheels
 
 FROM debian:bookworm-slim
 # A compiler for programs in C and C++, a debugger for `eyesim debug`.

@@ -208,11 +208,7 @@ fn embree(triangles: &[Triangle], python: OsString, mode: &'static str) -> Caste
     fs::create_dir_all(&folder).expect("the target folder can be written");
     write(&folder, "triangles", triangles.as_flattened().iter().flat_map(|corner| corner.to_array()));
     Box::new(move |rays, repeats| {
-        let numbers = |ray: &Ray3| {
-            let ([x, y, z], [dx, dy, dz]) = (ray.origin.to_array(), ray.direction.to_array());
-            [x, y, z, dx, dy, dz, ray.range]
-        };
-        write(&folder, "rays", rays.iter().flat_map(numbers));
+        write(&folder, "rays", rays.iter().flat_map(Ray3::numbers));
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/embree_rays.py");
         let output = Command::new(&python)
             .arg(script)

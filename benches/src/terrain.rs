@@ -21,6 +21,14 @@ pub struct Ray3 {
     pub range: f64,
 }
 
+impl Ray3 {
+    /// The ray as numbers: origin, direction, range.
+    pub fn numbers(&self) -> [f64; 7] {
+        let ([x, y, z], [dx, dy, dz]) = (self.origin.to_array(), self.direction.to_array());
+        [x, y, z, dx, dy, dz, self.range]
+    }
+}
+
 /// Number of cells along a side of the terrain, of half a metre each.
 const CELLS: usize = 224;
 const CELL: f64 = 0.5;

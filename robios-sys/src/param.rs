@@ -90,9 +90,11 @@ macro_rules! plain {
             type Abi = Self;
             type Storage = Self;
             type View<'a> = Self;
+            #[inline]
             unsafe fn take(abi: Self) -> Self {
                 abi
             }
+            #[inline]
             fn view(held: &mut Self) -> Self {
                 *held
             }

@@ -295,6 +295,7 @@ macro_rules! function_table {
             )*];
 
             /// Its number.
+            #[inline]
             pub const fn index(self) -> usize {
                 self as usize
             }

@@ -246,6 +246,7 @@ impl LoadedProgram {
 
     /// Location of the call in progress, if the program's shim reports it. May be called only while the program is in a
     /// call.
+    #[inline]
     pub fn call_site(&self) -> CallSite {
         let site = self.library.description().call_site;
         if site.is_null() || !site.is_aligned() {
@@ -495,6 +496,7 @@ unsafe impl Sync for Opened {}
 
 impl Opened {
     /// The program's description.
+    #[inline]
     pub fn description(&self) -> &Program {
         // SAFETY: checked by `open`, and mapped as long as `self`.
         unsafe { self.description.as_ref() }

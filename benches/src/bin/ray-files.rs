@@ -1,7 +1,8 @@
 //! Writes the walls and rays of the bench `rays` for peers in other languages: `ray-files FOLDER`.
 //!
 //! Each file is a flat list of little-endian doubles: `walls.f64` (ax, ay, bx, by), and one file `NAME.f64` each for
-//! psd and lidar (origin x, y, direction x, y, range, distance by brute force or infinity).
+//! psd and lidar (origin x, y, direction x, y, range, distance by brute force or infinity). For each set of the bench
+//! `terrain`, the folder `terrain-NAME` has `triangles.f64` (three corners) and `rays.f64` (origin, direction, range).
 #![forbid(unsafe_code)]
 
 use std::path::Path;
@@ -9,6 +10,7 @@ use std::process::ExitCode;
 use std::{env, fs, io};
 
 use accuracy::oracle;
+use benches::terrain;
 
 fn main() -> ExitCode {
     let Some(folder) = env::args_os().nth(1) else {
@@ -39,6 +41,13 @@ fn write(folder: &Path) -> io::Result<()> {
             })
             .collect();
         write_doubles(&folder.join(name).with_extension("f64"), &numbers)?;
+    }
+    let corners: Vec<f64> = terrain::terrain().as_flattened().iter().flat_map(|corner| corner.to_array()).collect();
+    for (name, rays) in terrain::terrain_rays() {
+        let folder = folder.join(format!("terrain-{name}"));
+        fs::create_dir_all(&folder)?;
+        write_doubles(&folder.join("triangles.f64"), &corners)?;
+        write_doubles(&folder.join("rays.f64"), &rays.iter().flat_map(|ray| ray.numbers()).collect::<Vec<_>>())?;
     }
     Ok(())
 }

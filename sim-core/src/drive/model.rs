@@ -227,10 +227,10 @@ impl Model {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn model(kind: DriveKind) -> Model {
+    pub fn model(kind: DriveKind) -> Model {
         Model {
             kind,
             wheel_diameter: 0.1,

@@ -32,6 +32,9 @@ use crate::{
 /// Number of impacts before the present slot that a motion keeps.
 const KEPT_IMPACTS: usize = 32;
 
+/// Number of stages of a robot that is commanded once in each slot of 50 ms, and has no errors and no contacts.
+const USUAL_STAGES: usize = 4;
+
 /// Maximum number of ticks that [`Motion::drive_end`] computes in advance while ticks still change the motion: 1,000 s.
 const MAX_TICKS_AHEAD: usize = 100_000;
 
@@ -170,8 +173,8 @@ pub struct Motion {
     object_impacts: Vec<Impact>,
     /// Time of the last contact with each movable object that the body touched in the last 100 ms.
     touched_objects: Vec<(ObjectId, Time)>,
-    /// The last impacts before the present slot.
-    log: VecDeque<Impact>,
+    /// The last impacts before the present slot; `None` if they are not kept.
+    log: Option<VecDeque<Impact>>,
     /// Number of contacts before the present slot.
     contacts: u32,
     revision: u64,
@@ -209,7 +212,7 @@ impl Motion {
             committed: Time::ZERO,
             object_impacts: Vec::new(),
             touched_objects: Vec::new(),
-            log: VecDeque::new(),
+            log: Some(VecDeque::new()),
             contacts: 0,
             revision: 0,
             last_pose: None,
@@ -224,6 +227,13 @@ impl Motion {
     pub fn starting_at(mut self, start: Time) -> Self {
         self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
         self.committed = start;
+        self
+    }
+
+    /// Returns this motion without a log of its impacts: [`Motion::impacts`] then returns only those of the present
+    /// slot. Saves memory for a robot without bumpers.
+    pub fn without_impact_log(mut self) -> Self {
+        self.log = None;
         self
     }
 
@@ -561,11 +571,11 @@ impl Motion {
     }
 
     /// The impacts whose `known_at` is between `since` and `until`, both included, in order of time. Before the present
-    /// slot only the last 32 impacts are kept.
+    /// slot only the last 32 impacts are kept, or [none](Motion::without_impact_log).
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted_impacts(until);
         let is_in_interval = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
-        self.log.iter().copied().chain(recent).filter(is_in_interval).collect()
+        self.log.iter().flatten().copied().chain(recent).filter(is_in_interval).collect()
     }
 
     /// The robot that blocks the body at the end of the present plan; `None` if no robot does.
@@ -731,10 +741,12 @@ impl Motion {
                 impact.known_at = end;
             }
             self.contacts += u32::from(impact.fresh);
-            if self.log.len() == KEPT_IMPACTS {
-                self.log.pop_front();
+            if let Some(log) = &mut self.log {
+                if log.len() == KEPT_IMPACTS {
+                    log.pop_front();
+                }
+                log.push_back(*impact);
             }
-            self.log.push_back(*impact);
         }
         self.journal.clear();
         self.committed = end;
@@ -744,6 +756,11 @@ impl Motion {
         }
         while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
             self.stages.pop_front();
+        }
+        // Contacts in quick succession need more stages. Their memory is freed afterwards, so that the memory of a long
+        // run stays constant, and the next stages reuse few cache lines.
+        if self.stages.len() < USUAL_STAGES && self.stages.capacity() > USUAL_STAGES {
+            self.stages.shrink_to(USUAL_STAGES);
         }
         self.stages[0].drop_intervals_before(end - HISTORY);
         impacts
@@ -1077,4 +1094,26 @@ fn interval_impact(model: &Model, stage: &Stage, interval: &MotionInterval) -> O
         bearing: math::atan2(towards.y, towards.x),
         fresh: interval.is_fresh,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::model::tests::model;
+
+    #[test]
+    fn many_commands_in_a_slot_leave_no_memory_behind() {
+        let model = Arc::new(model(DriveKind::Differential));
+        let mut motion = Motion::new(RobotId(1), model, Arc::new(Walls::new(Vec::new())), Pose::default());
+        let mut end = Time::ZERO;
+        for commands in [40, 1, 1, 1, 1] {
+            for number in 0..commands {
+                let twist = Twist { vx: 0.1, vy: 0.0, omega: 0.01 * f64::from(number) };
+                motion.command(end + Time::from_millis(number.into()), Command::Twist(twist), &[]).unwrap();
+            }
+            end += Time::from_millis(50);
+            motion.commit(end);
+        }
+        assert!(motion.stages.capacity() <= USUAL_STAGES, "{} stages", motion.stages.capacity());
+    }
 }

@@ -96,6 +96,9 @@ impl RobotFactory {
         let motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
         let rule = build::contact_rule(self.contact, self.wall_friction, &spec.robi);
         let mut motion = motion.with_contact(rule).map_err(invalid(""))?;
+        if spec.robi.bumpers.is_empty() {
+            motion = motion.without_impact_log();
+        }
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }

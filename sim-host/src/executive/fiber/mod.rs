@@ -497,8 +497,8 @@ impl Fiber {
         const EXTENT: [usize; 2] = [256, 2048];
         // SAFETY: no code changes the context meanwhile, by this function's contract.
         let sp = unsafe { (*self.context.get()).sp };
-        let [low, high] = self.stack.bounds();
-        prefetch(ptr::without_provenance(low.max(sp - EXTENT[0]))..ptr::without_provenance(high.min(sp + EXTENT[1])));
+        let [from, to] = [sp - EXTENT[0], self.stack.top().min(sp + EXTENT[1])];
+        prefetch(ptr::without_provenance(from)..ptr::without_provenance(to));
     }
 
     fn status(&self) -> Status {

@@ -182,6 +182,11 @@ impl Stack {
     pub fn bounds(&self) -> [usize; 2] {
         [self.start + guard_size(), self.top]
     }
+
+    /// Address above the usable bytes.
+    pub fn top(&self) -> usize {
+        self.top
+    }
 }
 
 impl Drop for Stack {
