@@ -95,13 +95,26 @@ pub fn track_line() -> Vec<DVec2> {
 
 /// A dark closed line, 25 mm wide, on a light floor of 3 x 2 m; it bends to both sides, with radii from 0.19 m.
 fn track() -> RgbImage {
+    const SIZE: DVec2 = DVec2::new(3.0, 2.0);
     const HALF: f64 = 0.0125;
+    /// Distance within which the line is searched, and side of the cells that list its parts.
+    const NEAR: f64 = 4.0 * HALF;
+    let cell_of = |at: DVec2| (at / NEAR).to_array().map(|cell| cell as usize);
+    let [columns, rows] = cell_of(SIZE).map(|last| last + 1);
     let line = track_line();
+    let mut cells = vec![Vec::new(); columns * rows];
+    for (a, b) in line.iter().zip(line.iter().cycle().skip(1)) {
+        let (first, last) = (cell_of(*a - NEAR), cell_of(*a + NEAR));
+        for row in first[1]..=last[1] {
+            for column in first[0]..=last[0] {
+                cells[row * columns + column].push((*a, *b));
+            }
+        }
+    }
     let distance = |at: DVec2| {
-        let pairs = line.iter().zip(line.iter().cycle().skip(1));
-        // Only parts near the line.
-        let nearby = pairs.filter(|(a, _)| (**a - at).abs().max_element() < 4.0 * HALF);
-        nearby
+        let [column, row] = cell_of(at);
+        cells[row * columns + column]
+            .iter()
             .map(|(a, b)| {
                 let along = *b - *a;
                 let fraction = ((at - *a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
@@ -109,7 +122,7 @@ fn track() -> RgbImage {
             })
             .fold(f64::INFINITY, f64::min)
     };
-    floor(DVec2::new(3.0, 2.0), 0.0025, |at| if distance(at) < HALF { [24, 24, 28] } else { [232, 229, 220] })
+    floor(SIZE, 0.0025, |at| if distance(at) < HALF { [24, 24, 28] } else { [232, 229, 220] })
 }
 
 /// A road of two lanes, 400 mm each, around a lawn of 6 x 4 m: white lines at its edges, dashes of 200 mm between the lanes.

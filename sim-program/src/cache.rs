@@ -1,7 +1,7 @@
 //! Cache folder of built programs, shared by concurrent runs.
 //!
 //! An entry is a folder that one atomic rename puts in place. It is checked against its digest when it is used, and built again if
-//! it is broken. Entries that were not used for [`KEEP`] are removed.
+//! it is broken. Once a day a build removes the entries that were not used for [`KEEP`].
 
 use std::fs;
 use std::io;
@@ -16,8 +16,14 @@ pub const KEEP: Duration = Duration::from_secs(60 * 24 * 3600);
 /// Time for which the folder of an unfinished build is kept.
 const KEEP_UNFINISHED: Duration = Duration::from_secs(24 * 3600);
 
+/// Time between two sweeps of the cache.
+const SWEEP_PERIOD: Duration = Duration::from_secs(24 * 3600);
+
 const LIBRARY: &str = "program.so";
 const RECORD: &str = "entry.json";
+
+/// Empty file, written at each sweep.
+const SWEPT: &str = "swept";
 
 /// A cache folder.
 #[derive(Clone, Debug)]
@@ -132,7 +138,7 @@ impl Cache {
             match fs::rename(entry_build.path(), &folder) {
                 Ok(()) => {
                     let _ = entry_build.keep();
-                    self.sweep();
+                    self.sweep_if_due();
                     break;
                 }
                 Err(error) if !folder.exists() => return Err(error),
@@ -183,13 +189,22 @@ impl Cache {
         self.root.join("notes").join(key)
     }
 
+    /// Sweeps the cache once per [`SWEEP_PERIOD`]: a sweep reads the times of all entries, so it must not delay every build.
+    fn sweep_if_due(&self) {
+        let swept = self.root.join(SWEPT);
+        // A time in the future, from a clock that was wrong, does not stop sweeps.
+        if age(&swept).is_some_and(|age| age < SWEEP_PERIOD) {
+            return;
+        }
+        if fs::write(&swept, "").is_ok() {
+            self.sweep();
+        }
+    }
+
     /// Removes entries, notes and unfinished builds that were not used for a long time. Files that cannot be removed are
     /// skipped: another run may use them.
     fn sweep(&self) {
-        let is_older = |path: &Path, max_age: Duration| {
-            let used = fs::metadata(path).and_then(|metadata| metadata.modified());
-            used.is_ok_and(|used| SystemTime::now().duration_since(used).is_ok_and(|age| age > max_age))
-        };
+        let is_older = |path: &Path, max_age: Duration| age(path).is_some_and(|age| age > max_age);
         for folder in paths_in(&self.root.join("programs")) {
             let record = folder.join(RECORD);
             if is_older(if record.exists() { &record } else { &folder }, KEEP) {
@@ -211,6 +226,11 @@ impl Cache {
 
 fn paths_in(folder: &Path) -> impl Iterator<Item = PathBuf> {
     fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
+/// Time since the last change of `path`; `None` if it does not exist or lies in the future.
+fn age(path: &Path) -> Option<Duration> {
+    SystemTime::now().duration_since(fs::metadata(path).ok()?.modified().ok()?).ok()
 }
 
 fn mark_used(path: &Path) {
@@ -262,8 +282,10 @@ mod tests {
         assert_eq!(first.output, "a warning");
         assert_eq!(put(&cache, "k", b"two"), first);
         assert_eq!(fs::read(&first.library).expect("the library"), b"one");
-        let left: Vec<PathBuf> = paths_in(cache.root()).collect();
-        assert_eq!(left, [cache.root().join("programs")], "no unfinished folder is left");
+        let mut left: Vec<PathBuf> = paths_in(cache.root()).collect();
+        left.sort();
+        let expected = ["programs", SWEPT].map(|name| cache.root().join(name));
+        assert_eq!(left, expected, "no unfinished folder is left");
     }
 
     #[test]
@@ -280,20 +302,37 @@ mod tests {
         assert_eq!(fs::read(cache.entry("k").expect("an entry").library).expect("the library"), b"a third time");
     }
 
+    fn set_used(path: &Path, at: SystemTime) {
+        let file = fs::File::options().append(true).open(path).expect("a file");
+        file.set_modified(at).expect("a time");
+    }
+
     #[test]
-    fn unused_entries_are_removed() {
+    fn unused_entries_are_removed_once_a_day() {
         let (_folder, cache) = cache();
         let long_ago = SystemTime::now() - KEEP - Duration::from_secs(60);
         put(&cache, "old", b"old");
         cache.set_note("old", "note").expect("a note");
         for path in [cache.root().join("programs/old").join(RECORD), cache.root().join("notes/old")] {
-            let file = fs::File::options().append(true).open(path).expect("a file");
-            file.set_modified(long_ago).expect("an old time");
+            set_used(&path, long_ago);
         }
         put(&cache, "new", b"new");
+        assert!(cache.root().join("programs/old").exists(), "the cache was swept a moment ago");
+        set_used(&cache.root().join(SWEPT), SystemTime::now() - SWEEP_PERIOD);
+        put(&cache, "newer", b"newer");
         assert!(!cache.root().join("programs/old").exists());
         assert_eq!(cache.note("old"), None);
         assert!(cache.entry("new").is_some());
+    }
+
+    #[test]
+    fn wrong_clock_does_not_stop_sweeps() {
+        let (_folder, cache) = cache();
+        put(&cache, "k", b"one");
+        let swept = cache.root().join(SWEPT);
+        set_used(&swept, SystemTime::now() + 10 * SWEEP_PERIOD);
+        put(&cache, "l", b"two");
+        assert!(age(&swept).is_some_and(|age| age < SWEEP_PERIOD), "swept again");
     }
 
     #[test]
