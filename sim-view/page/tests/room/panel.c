@@ -1,15 +1,19 @@
-// Shows what its user does: keys, distance, drive.
+// Shows what its user does (keys) and what it measures, each on a line of its own: a message stays until the next one.
 #include "eyebot.h"
+
+static void show(const char* message) {
+    LCDSetPrintf(0, 0, "%-8s", message);
+}
 
 int main(void) {
     int step = 0;
-    LCDPrintf("ready\n");
+    show("ready");
     LCDMenu("GO", "STOP", "", "END");
     for (;;) {
         int key = KEYRead();
-        if (key == KEY1) { LCDPrintf("go\n"); VWSetSpeed(100, 0); }
-        if (key == KEY2) { LCDPrintf("stop\n"); VWSetSpeed(0, 0); }
-        if (key == KEY3) LCDPrintf("third\n");
+        if (key == KEY1) { show("go"); VWSetSpeed(100, 0); }
+        if (key == KEY2) { show("stop"); VWSetSpeed(0, 0); }
+        if (key == KEY3) show("third");
         if (key == KEY4) return 0;
         LCDSetPrintf(9, 0, "front %d mm, %d ", PSDGet(PSD_FRONT), step++);
         OSWait(50);
