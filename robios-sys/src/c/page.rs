@@ -7,12 +7,13 @@ use super::{INTERPOSED, OUTSIDE_GUARANTEE};
 const BEGIN: &str = "\
 # The C library inside a robot program
 
-All robots run in one process, so they share one C library: one state of `rand`, one `exit`, one standard output, one
-real-time clock. A program's calls must not affect other robots or depend on real time. Every C program that `eyesim`
-builds is therefore linked with a shim (`robios-sys/shim`). The shim interposes functions of the C library with weak
-symbols inside the program's own library. This library is linked with `-Bsymbolic`, so the program's references resolve
-to the shim. If the program itself defines a function called `time`, `y1`, `send` or `index`, this function takes
-precedence over the shim and the C library in every source file of the program.
+Robots on fibers and threads run in one process, so they share one C library: one state of `rand`, one `exit`, one
+standard output, one real-time clock. The guarantee of `eyesim` is that a program's calls neither affect other robots
+nor depend on real time. Every C and C++ program that `eyesim` builds is therefore linked with a shim
+(`robios-sys/shim`). The shim interposes functions of the C library with weak symbols inside the program's own library.
+This library is linked with `-Bsymbolic`, so the program's references resolve to the shim. If the program itself defines
+a function with the name of a library function, such as `time`, `y1`, `send` or `index`, this function takes precedence
+over the shim and the C library in every source file of the program.
 
 Calls that the compiler substitutes (`puts` or `putchar` for `printf`, the checked forms of `_FORTIFY_SOURCE`,
 `getc(stdin)` for `getchar`) resolve to the shim too, at every optimisation level. Functions that are in no C standard
@@ -48,10 +49,10 @@ This page applies to Linux with glibc and to the compilers gcc and clang.
   `fprintf` work on them.
 - **Input** is the text of `--stdin`; each robot reads its own copy, a line at a time. Without `--stdin` reads return EOF.
   A prompt without a newline is flushed before a read.
-- **C++.** libstdc++ is linked into each program, so that its streams, clocks and random numbers resolve to these
-  functions. `std::random_device` draws from the robot's own stream.
-- **Headers** beside a program, with any names, do not change this: calls of the functions that they declare are linked
-  to the functions below. The shim is compiled with eyesim's own headers only.
+- **C++.** libstdc++ is linked into each program, so that its streams, clocks and random numbers resolve to the
+  functions of the shim. `std::random_device` draws from the robot's own stream.
+- **Headers** beside a program may have any names: calls of interposed functions that they declare are linked to the
+  shim all the same. The shim is compiled with eyesim's own headers only.
 - **Alarms** are refused, since they would arrive by signal, in real time.
 
 ## Interposed functions
