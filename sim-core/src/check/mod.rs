@@ -1,8 +1,9 @@
 //! Evaluation of checks on the motion of bodies, at exact instants.
 //!
-//! A [`Monitor`] receives the motion of each slot, as sections in closed form, before the world forgets the slot. It evaluates the motion
-//! in cells of 100 ms of virtual time. Cells and sections do not depend on the slots, so the verdicts and their instants do not either. A
-//! monitor only reads: it draws no random numbers and records nothing. The host evaluates checks on events, output and the report.
+//! A [`Monitor`] receives the motion of each slot, as sections in closed form, before the world discards the slot. It
+//! evaluates the motion in cells: intervals of 100 ms of virtual time. Cells and sections do not depend on the slots,
+//! so the verdicts and their instants do not either. A monitor only reads: it draws no random numbers and records
+//! nothing. The host evaluates checks on events, output and the report.
 
 mod condition;
 mod pending;
@@ -34,12 +35,13 @@ const CELL: Time = Time::from_millis(100);
 pub struct Finding {
     /// True if the condition is met.
     pub is_met: bool,
-    /// Instant of the verdict, s: when the condition was met or first violated, or when the body came nearest to meeting it.
+    /// Instant of the verdict, s: when the condition was met or first violated, or when the body was nearest to the
+    /// place that it did not reach.
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
     /// The measured quantity, in m or as a pure number. It depends on the variant of [`CheckKind`]: distance to the
-    /// place, number of places or passages, minimum gap, fraction, or maximum error.
+    /// place, number of places or passages, minimum gap, fraction, maximum error, or metric of a swarm.
     pub value: Option<f64>,
 }
 
@@ -94,7 +96,8 @@ impl Monitor {
         self.needs_objects
     }
 
-    /// Adds the motion of a robot in the slot from `from` to `to`: resolved, but not yet committed.
+    /// Adds the motion of a robot in the slot from `from` to `to`. Its contacts must be resolved, and the slot must not
+    /// be committed yet ([`Motion::commit`]).
     pub(crate) fn observe(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         let to = to.min(self.until);
         if from >= to {
@@ -137,8 +140,8 @@ impl Monitor {
         self.conditions.iter().map(|(index, condition)| (*index, condition.finding()))
     }
 
-    /// Metrics of swarms over time, each with the index of its check in the scene, as pairs: instant at which the value changed (s), new
-    /// value.
+    /// Metrics of swarms over time, each with the index of its check in the scene. A metric is a list of pairs: the
+    /// instant of a change in s, and the new value.
     pub fn series(&self) -> impl Iterator<Item = (usize, &[[f64; 2]])> {
         self.conditions.iter().filter_map(|(index, condition)| Some((*index, condition.series()?)))
     }
@@ -147,7 +150,8 @@ impl Monitor {
         self.robots.iter().chain(&self.objects).flatten()
     }
 
-    /// Keeps all bodies that were not observed up to `to` at rest until then, or until their removal.
+    /// Extends the motion of each body to `to`, or to the body's removal: objects make the steps of the slot, and a
+    /// body without further motion rests.
     fn extend_rest(&mut self, world: &mut World, to: Time) {
         self.robots.resize_with(world.robot_count(), || None);
         for (index, pending) in self.robots.iter_mut().enumerate() {

@@ -85,8 +85,8 @@ impl Smooth for DistanceToLine<'_> {
     }
 }
 
-/// Intervals of a section in the order of time, each with the constant value of `is_inside` in it. `breaks` are the instants at which the
-/// value may change.
+/// Divides a section at the instants `breaks`, at which the value of `is_inside` may change. Returns the intervals
+/// (start, end, value) in the order of time; successive intervals with equal values are one interval.
 pub(super) fn intervals(
     section: &MotionSection,
     mut breaks: Vec<f64>,
@@ -110,7 +110,7 @@ pub(super) fn intervals(
     found
 }
 
-/// The intervals of a section inside and outside a place, enlarged by [`ROUNDING`].
+/// Divides a section into intervals inside and outside `region`, whose border is shifted outwards by [`ROUNDING`].
 pub(super) fn intervals_in(section: &MotionSection, region: &Region) -> Vec<(f64, f64, bool)> {
     let margin = ROUNDING;
     let mut breaks = Vec::new();

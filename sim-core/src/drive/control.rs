@@ -95,7 +95,7 @@ pub(super) struct Memory {
     pub sums: Wheels,
     /// For each wheel whose PID controller is active, its rate one tick before, rad/s.
     pub previous_rates: Wheels,
-    /// State of a hull in the water; its mean velocity is stored in [`Actuation::rates`].
+    /// State of a hull in the water. The hull's mean velocity over the last tick is in [`Actuation::rates`].
     pub hull: HullState,
 }
 
@@ -112,7 +112,8 @@ impl ConstDefault for Memory {
 /// Set points of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Target {
-    /// Rates of the motors, rad/s: open loop, except for the wheels in `regulated` whose PID controllers run.
+    /// Rates of the motors, rad/s. A wheel that `regulated` marks is regulated by its PID controller if that runs; the
+    /// other wheels are open loop.
     Wheels { rates: Wheels, regulated: [bool; 4] },
     /// Twist of the body, regulated by the PI controllers if they run.
     Twist(Twist),
@@ -130,8 +131,8 @@ impl Target {
 
 /// Computes one tick of controllers and wheel lag: the state with the wheel rates until the next tick.
 ///
-/// An output beyond the limits of the wheels is scaled down. Integrals do not grow while the output is saturated
-/// (anti-windup).
+/// Outputs are limited to the maximum rate of the wheels: the output of a wheel's controller is clamped, and those of
+/// the PI controllers are scaled down together. Integrals do not grow while the output is saturated (anti-windup).
 pub(super) fn step(
     model: &Model,
     controllers: &Controllers,
@@ -293,7 +294,7 @@ mod tests {
             assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
             ticks
         };
-        // The parameters of the demonstration program in the RoBIOS ROM, those of the RoBIOS book, and slow ones.
+        // The parameters of the demonstration program in the RoBIOS ROM, slow ones, and those of the RoBIOS book.
         let demo = reached(&Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 });
         let slow = reached(&Gains { vv: 0.5, tv: 0.3, vw: 0.5, tw: 0.3 });
         reached(&Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 });

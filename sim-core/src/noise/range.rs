@@ -41,8 +41,8 @@ pub struct RangeNoise {
     pub drift: f64,
     /// Time constant of the decay, s; positive.
     pub drift_time: f64,
-    /// Factor on the noise N of the sensor model (France et al.); 0 for no such noise. Applied by [`RangeErrors::device_noise`],
-    /// not by [`RangeErrors::reading`].
+    /// Factor on the noise N of the sensor model (France et al.); 0 for no such noise. [`RangeErrors::device_noise`]
+    /// applies it, [`RangeErrors::reading`] does not.
     pub device: f64,
 }
 
@@ -65,13 +65,14 @@ impl Default for RangeNoise {
 }
 
 impl RangeNoise {
-    /// Standard deviation s of a reading at a distance d, in metres: s^2 = `sigma`^2 + (`sigma_share` d)^2 + (`sigma_square` d^2)^2.
+    /// Standard deviation s of a reading at a distance d, in metres:
+    /// s^2 = `sigma`^2 + (`sigma_share` d)^2 + (`sigma_square` d^2)^2.
     pub fn sigma_at(&self, distance: f64) -> f64 {
         math::hypot(math::hypot(self.sigma, self.sigma_share * distance), self.sigma_square * distance * distance)
     }
 }
 
-/// The errors of one distance sensor or lidar.
+/// The errors of one distance sensor or laser scanner.
 #[derive(Clone, Debug)]
 pub struct RangeErrors {
     model: RangeNoise,
@@ -96,8 +97,8 @@ impl RangeErrors {
         }
     }
 
-    /// Noise N = sigma G + mean of the sensor model for the reading with this [index](EventStreams::index), times the factor `device` of
-    /// the noise model; G is standard normal. Source: France et al. (1999), section 4.3.
+    /// Noise N = `sigma` G + `mean` of the sensor model for the reading with this [index](EventStreams::index), times
+    /// the factor [`RangeNoise::device`]; G is standard normal. Source: France et al. (1999), section 4.3.
     pub fn device_noise(&self, index: u64, sigma: f64, mean: f64) -> f64 {
         if self.model.device == 0.0 {
             return 0.0;
@@ -105,20 +106,21 @@ impl RangeErrors {
         self.model.device * (sigma * self.device_streams.at(index).normal() + mean)
     }
 
-    /// Returns true if all readings are exact.
+    /// Returns true if [`RangeErrors::reading`] adds no errors; [`RangeErrors::device_noise`] may add some.
     pub fn is_exact(&self) -> bool {
         self.is_exact
     }
 
-    /// Reading of the sensor at the time `at` for the true distance `exact`, in metres; `None` means no return. The reading lies within
-    /// `range`, or equals `exact` if the model has no errors.
+    /// Reading of the sensor at the time `at` for the true distance `exact`, in metres; `None` means no return. The
+    /// reading lies within `range`, or equals `exact` if the model has no errors.
     ///
     /// The reading depends only on the arguments; `index` is the [index](EventStreams::index) of the reading.
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
         self.scan(index, at, range).point(exact)
     }
 
-    /// Errors of the scan with this index. Its points are read in order; each has an independent error and the sensor's constant error.
+    /// Errors of the scan with this index. The points of the scan are read in order; each has an independent error, and
+    /// all have the sensor's constant error and its drift.
     pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
         let stream_and_offset = (!self.is_exact).then(|| {
             let drift = self.model.drift;
@@ -135,7 +137,7 @@ impl RangeErrors {
 pub struct ScanErrors<'a> {
     model: &'a RangeNoise,
     range: [f64; 2],
-    /// Random stream, and the error that all points have in common; `None` if all readings are exact.
+    /// Random stream, and the error that all points have in common, m; `None` if all readings are exact.
     stream_and_offset: Option<(Stream, f64)>,
 }
 

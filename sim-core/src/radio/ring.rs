@@ -11,8 +11,8 @@
 //! token therefore sends next, and no station starves.
 //!
 //! Source: the network of the EyeBot has token, time-out and wild card. The choice of the polling station and the
-//! durations are ours. These simplifications are ours too: polls are never lost, and all stations receive tokens and
-//! polls at any speed, from any distance and through walls.
+//! durations are ours. These simplifications are ours too: polls are never lost, and neither a station's baud rate, nor
+//! its distance, nor a wall affects its reception of tokens and polls.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -28,9 +28,9 @@ pub const SILENCE_FRAMES: i64 = 2;
 
 /// State of the token ring.
 ///
-/// The loss of a token is drawn once, when the token is created: its life is an exponentially distributed random number
-/// with mean 1. The hazard of a pass is -ln of the probability that the token frame arrives; the token is lost on the
-/// pass at which the sum of hazards exceeds its life.
+/// A token has a life, a random number from the exponential distribution with mean 1 that is drawn when the token is
+/// created. The hazard of a pass is -ln of the probability that the token frame arrives. The token is lost on the pass
+/// at which the sum of the hazards since its creation exceeds its life.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     seed: u64,
@@ -80,14 +80,16 @@ impl Ring {
         Self { seed, ..Self::default() }
     }
 
-    /// Queues messages that wait for the token. The messages of each sender must be in the order of their sequence numbers.
+    /// Queues messages that wait for the token. The messages of each sender must be in the order of their sequence
+    /// numbers.
     pub fn queue(&mut self, messages: impl IntoIterator<Item = OutgoingMessage>) {
         for message in messages {
             self.queues.entry(message.from).or_default().push_back(Queued { message, until: Time::NEVER });
         }
     }
 
-    /// Handles a station that was switched off: messages queued by `off.at` are not transmitted after it.
+    /// Handles a station that was switched off: messages that it had queued before then are not transmitted after
+    /// `off.at`.
     pub fn stop(&mut self, off: &SwitchedOff) {
         for queued in self.queues.get_mut(&off.robot).into_iter().flatten() {
             if queued.message.sequence <= off.last_sequence {
@@ -96,7 +98,8 @@ impl Ring {
         }
     }
 
-    /// Passes the token round until `time`; returns the messages transmitted until then, each with the start of its transmission.
+    /// Passes the token round until `time`; returns the messages whose transmission begins before then, each with this
+    /// instant.
     pub fn advance(&mut self, time: Time) -> Vec<(OutgoingMessage, Time)> {
         let mut started = Vec::new();
         let Some(mut token) = self.token else { return started };
@@ -156,8 +159,8 @@ impl Ring {
         std::mem::take(&mut self.queues).into_values().flatten().map(|queued| queued.message).collect()
     }
 
-    /// Removes and returns messages that are never transmitted: those with a time limit ([`Ring::stop`]), and those of robots that are
-    /// not in the ring.
+    /// Removes and returns messages that are never transmitted: those with a time limit ([`Ring::stop`]), and those of
+    /// robots that are not in the ring.
     pub fn take_untransmitted(&mut self) -> Vec<OutgoingMessage> {
         let is_in_ring = |robot| self.stations.binary_search_by_key(&robot, |station| station.robot).is_ok();
         let mut untransmitted = Vec::new();
@@ -210,7 +213,7 @@ impl Ring {
 
     /// New token for the holder at `holder_index`, created after a silence that begins at `time`.
     fn new_token(&self, holder_index: usize, time: Time, number: u64) -> Token {
-        // The silence, the poll, and an answer from each other station.
+        // The frames of the silence, one of the poll, and one of the answer of each other station.
         let frames = SILENCE_FRAMES + self.stations.len() as i64;
         let at = time + Time(self.stations[holder_index].frame.0.saturating_mul(frames));
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Token, 0, number);

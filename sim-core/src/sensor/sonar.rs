@@ -1,3 +1,5 @@
+//! Ultrasonic sensors with a beam, which detect the nearest echo in it.
+
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
 use glam::DVec3;
@@ -11,8 +13,8 @@ use crate::{
     world::{HitSurface, Ray, RayCaster, RayHit, World},
 };
 
-/// Maximum incidence angle at which a mirror's echo returns to the sensor, rad. The angle is far above rounding; at the
-/// longest ranges it shifts the echo by a few um.
+/// Maximum incidence angle at which a mirror's echo returns to the sensor, rad. The angle is much greater than rounding
+/// errors; at the longest ranges it shifts the echo by a few um.
 const HEAD_ON: f64 = 1e-6;
 
 /// Angle between successive points of a spiral that covers a disc evenly, rad: the golden angle.
@@ -103,14 +105,14 @@ impl Sonar {
         ratio * ratio * reflectivity * (mirrored + scattered)
     }
 
-    /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
-    /// et al. The robot itself returns no echo.
+    /// Reading of a sensor of the robot `observer` with the pose `world_from_sensor` at the instant `at`; the distance
+    /// has the relative error `noise`, N of France et al. The robot itself returns no echo.
     ///
     /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, towards the
     /// nearest point of every body in reach, along a horizontal fan of rays and, if this may not suffice, along a
     /// spiral of rays. The search towards the nearest points finds mirrors, and is exact for surfaces that face the
-    /// sensor. If a ray of the fan or spiral hits a triangle of a mesh, its perpendicular is tried too. Second
-    /// reflections are ignored.
+    /// sensor. In a world with meshes, the perpendicular of each surface that a ray of the fan or spiral hits is tried
+    /// too. Second reflections are ignored.
     ///
     /// The fan covers the azimuths, and the spiral the part of the half space, from which an echo may be detected. The
     /// fan suffices if the sensor is level, all bodies that are nearer than the nearest echo so far are upright and
@@ -165,7 +167,8 @@ struct EchoSearch<'a> {
 }
 
 impl EchoSearch<'_> {
-    /// Casts a ray along `direction`, `angle` rad from the line of sight. Returns the hit if it is near enough to be detected.
+    /// Casts a ray along `direction`, `angle` rad from the line of sight, and keeps its echo if that is detectable and
+    /// the nearest so far. Returns the surface that the ray hits, if its echo could be the nearest.
     fn try_direction(&mut self, direction: DVec3, angle: f64) -> Option<HitSurface> {
         let range = self.sonar.max_distance_at(angle).min(self.distance);
         if range < self.sonar.min {
@@ -256,8 +259,8 @@ impl EchoSearch<'_> {
         }
     }
 
-    /// Casts a ray along `direction`, `angle` rad from the line of sight. If it hits a triangle of a mesh, tries the
-    /// perpendicular to the triangle too.
+    /// Casts a ray along `direction`, `angle` rad from the line of sight. In a world with meshes, tries the
+    /// perpendicular of the surface that the ray hits too.
     fn try_ray(&mut self, direction: DVec3, angle: f64) {
         let hit = self.try_direction(direction, angle);
         if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {

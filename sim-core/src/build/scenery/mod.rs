@@ -1,4 +1,4 @@
-//! Builds the scenery that cameras see from a scene.
+//! Builds the scenery of a scene: the surfaces that cameras see.
 
 mod body;
 mod leg;
@@ -46,7 +46,8 @@ pub trait MeshSource {
     fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>>;
 }
 
-/// Cache of meshes by type of robot or object. The keys are addresses, so the entries keep their types alive.
+/// Cache of meshes by type of robot or object. The keys are the addresses of the types, so `object_meshes` and
+/// `robot_meshes` keep the types alive; the other maps contain only robot types that `robot_meshes` contains.
 #[derive(Clone, Debug, Default)]
 struct MeshCache {
     object_meshes: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
@@ -146,8 +147,8 @@ fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall on the floor: a sheet, or a box without a lower face. Walls that meet in a point have bit-identical corners
-/// there.
+/// A wall on the floor: a sheet, or a box without a lower face. Sheets that meet in a point have bit-identical corners
+/// there; the corners of boxes differ.
 fn wall_part(number: u32, wall: &WallSpec) -> Part {
     let mut builder = MeshBuilder::default();
     let paint = builder.paint(wall.colour.unwrap_or(WALL_COLOUR));

@@ -38,7 +38,7 @@ pub enum CellType {
     Obstacle,
 }
 
-/// Type of an event field that has cells.
+/// A type of event fields whose values can be cells of a table.
 pub trait Tabular {
     /// Type of the cells.
     const TYPE: CellType;
@@ -47,7 +47,8 @@ pub trait Tabular {
     fn cell(&self) -> Cell<'_>;
 }
 
-/// Implements [`Tabular`]: type of the field, type of its cells, value of the cell.
+/// Implements [`Tabular`] for types of fields. Each line gives a type, the type of its cells, and the content of the
+/// cell that a value gives.
 macro_rules! tabular {
     ($($type:ty: $cell:ident($value:ident => $content:expr),)*) => {$(
         impl Tabular for $type {
