@@ -16,7 +16,7 @@ use crate::program::embedded::EmbeddedProgram;
 use crate::program::sandbox::Sandbox;
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 
-/// Simulated time after which a run ends if neither options nor scene set one.
+/// Virtual time at which a run ends if neither options nor scene set one.
 pub const DEFAULT_UNTIL: Time = Time::from_millis(600_000);
 
 /// Options of a run; they take precedence over the scene. By default no option is set.
@@ -26,16 +26,16 @@ pub struct Options {
     pub seed: Option<u64>,
     /// Length of a slot; default: the scene's, otherwise 50 ms.
     pub slot: Option<Time>,
-    /// Simulated time at which the run ends; default: the scene's, otherwise [`Options::default_until`].
+    /// Virtual time at which the run ends; default: the scene's, otherwise [`Options::default_until`].
     pub until: Option<Time>,
     /// End of the run if neither [`Options::until`] nor the scene sets one; default: [`DEFAULT_UNTIL`].
     pub default_until: Time,
-    /// Time for which the run continues after its last program has ended, while anything moves; default: 0.
+    /// Virtual time for which the run continues after its last program has ended, while anything moves; default: 0.
     pub linger: Time,
     /// Number of workers: robots that run at the same time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
-    /// Where programs run; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
-    /// [`serve_child`](super::serve_child) first.
+    /// Where programs run; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a
+    /// `main` that calls [`serve_child`](super::serve_child) first.
     pub exec: Exec,
     /// Restrictions of the programs and of the compilers that build them; needs [`Exec::Process`].
     pub sandbox: Option<Sandbox>,
@@ -43,7 +43,8 @@ pub struct Options {
     pub timeout: f64,
     /// Programs of robots, instead of the scene's.
     pub programs: Vec<ProgramOption>,
-    /// Generation of RoBIOS that the programs are written for.
+    /// Generation of RoBIOS that the programs use; default: the scene's, otherwise detected from the
+    /// functions that each program calls.
     pub api: Option<Generation>,
     /// EyeSim version whose conventions scene and programs follow, instead of the scene's.
     pub dialect: Option<Dialect>,
@@ -70,10 +71,11 @@ pub struct Options {
     pub checks: Option<PathBuf>,
     /// True if programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
-    /// True if the programs of checks may run, since the scene is the user's own and not from an archive (default:
-    /// true).
+    /// True if programs that judge the run ([`CheckKind::Script`](sim_core::spec::CheckKind::Script)) may run; default:
+    /// true. Set it to false for a scene from an archive, whose author the user need not trust.
     pub may_run_checks: bool,
-    /// Maximum number of bytes that each program can print; further output is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
+    /// Maximum number of bytes that each program can print; further output is discarded; default:
+    /// [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,
     /// True to record every RoBIOS call.
     pub is_verbose: bool,
@@ -81,19 +83,19 @@ pub struct Options {
     pub strict: bool,
     /// Folder for the images that programs take, as PNG.
     pub frames: Option<PathBuf>,
-    /// True to keep the images that programs take, for a recording.
+    /// True to keep the images that programs take, so that a recording can contain them.
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
     pub debug: Option<DebugTarget>,
-    /// Programs of this process, to which `programs` and the scene refer like to files. A trace contains only their
-    /// names, so that it cannot repeat the run.
+    /// Programs that are part of this process; `programs` and the scene refer to them as if they were files. A trace
+    /// contains only their names, so it cannot repeat the run.
     pub embedded: Vec<EmbeddedProgram>,
 }
 
 impl Options {
     /// Number of workers.
     pub fn worker_count(&self) -> usize {
-        // The standard library reads files of the control groups in each call.
+        // The number is cached, because the standard library reads the files of the control groups in each call.
         static PROCESSORS: LazyLock<usize> =
             LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get));
         self.workers.map_or_else(|| *PROCESSORS, NonZeroUsize::get)

@@ -1,6 +1,7 @@
 //! The trace: one JSON object per line, streamed during the run. Its schema is `docs/trace.md`.
 //!
-//! At the end of each slot, its lines are written in one system call. There is no fsync: a power failure may lose the last seconds.
+//! The lines of a slot are written at the end of the slot; those of a compressed trace, at the end of the slot in which
+//! they fill a frame. There is no fsync: a power failure may lose the last seconds.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use sim_core::record::{Digest, Kind, KindSet, Record, digest};
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
 
-/// First line of a trace, without schema and version of the program.
+/// First line of a trace, without the versions of schema, eyesim and digest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceHeader {
     /// Seed of the run.
@@ -125,7 +126,7 @@ pub struct TraceRobot {
 
 /// Sink that writes a trace.
 ///
-/// Dropped before [`Sink::finish`], it writes the lines that it has not compressed yet.
+/// If it is dropped before [`Sink::finish`], it writes the lines that it has not compressed yet.
 pub struct Trace {
     out: BufWriter<Box<dyn Write + Send>>,
     path: PathBuf,
@@ -170,8 +171,8 @@ pub(super) fn header_line(header: &TraceHeader) -> io::Result<String> {
 }
 
 impl Trace {
-    /// Trace in `file`, which is at `path`. If the name ends with `.zst`, the trace is compressed, and lines are written as soon as they
-    /// fill a frame of 1 MiB.
+    /// Trace in `file`, which is at `path`. If the name ends with `.zst`, the trace is compressed, and lines are
+    /// written at the end of the slot in which they fill a frame of 1 MiB of text.
     pub(super) fn of_file(file: RecordFile, path: &Path, header: &TraceHeader) -> Result<Self, RecordError> {
         let is_compressed = path.extension().is_some_and(|extension| extension == "zst");
         Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))
@@ -261,7 +262,7 @@ impl Sink for Trace {
 
 impl Drop for Trace {
     fn drop(&mut self) {
-        // The run has another error, which is reported.
+        // The error is ignored: the run has ended early because of another error, which is reported.
         _ = self.compress(1);
     }
 }

@@ -139,12 +139,12 @@ fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32>
     Some(rate_hz)
 }
 
-/// `AUCaptureMic`: 10 bits.
+/// `AUCaptureMic`: returns the microphone's value, scaled from 8 to 10 bits.
 pub fn microphone_6(robot: &Robot) -> i32 {
     4 * i32::from(robot.spec.inputs.microphone)
 }
 
-/// `AUMicrophone`: 8 bits.
+/// `AUMicrophone`: returns the microphone's value, which has 8 bits, and records it.
 pub fn microphone_7(robot: &mut Robot) -> i32 {
     let value = robot.spec.inputs.microphone;
     robot.record(Event::Reading { device: "microphone", value: value.into() });
