@@ -103,7 +103,7 @@ impl Robot {
     }
 }
 
-#[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
+#[allow(clippy::missing_errors_doc, reason = "the first method that can fail documents the errors of all")]
 impl Camera {
     /// Size of images.
     pub const SIZE: ImageSize = ImageSize::EYECAM;

@@ -23,8 +23,8 @@ impl Robot {
     /// Switches the camera on, with images of this size.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the robot has no camera, or for an unsupported size: a side of 0 or more than
-    /// 4096 pixels, or more than 2592 x 1944 pixels.
+    /// [`Error::Refused`](crate::Error::Refused) if the robot has no camera, or if RoBIOS does not support the size:
+    /// each side must have 1 to 4096 pixels, and the image at most 2592 * 1944 pixels in total.
     #[track_caller]
     pub fn camera(&self, size: ImageSize) -> Result<Camera<'_>> {
         let (columns, rows) = size.to_robios7();
@@ -36,7 +36,7 @@ impl Robot {
     }
 }
 
-#[allow(clippy::missing_errors_doc, reason = "said once, at the first that has any")]
+#[allow(clippy::missing_errors_doc, reason = "the first method that can fail documents the errors of all")]
 impl Camera<'_> {
     /// Size of images.
     pub fn size(&self) -> ImageSize {
@@ -46,7 +46,7 @@ impl Camera<'_> {
     /// Takes a colour image.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if there is no image; the same applies to the functions below.
+    /// [`Error::Refused`](crate::Error::Refused) if there is no image; the same applies to all methods below.
     #[track_caller]
     pub fn color(&self) -> Result<ColorImage> {
         let mut image = ColorImage::new(self.size);

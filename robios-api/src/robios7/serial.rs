@@ -22,10 +22,10 @@ pub struct Serial {
 }
 
 impl Robot {
-    /// Opens serial interface 1 to 16.
+    /// Opens the serial interface with this number, 1 to 16.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the robot has no such interface.
+    /// [`Error::Refused`](crate::Error::Refused) if the robot has no such interface, or does not support the rate.
     #[track_caller]
     pub fn serial(&self, number: u8, baud: Baud, handshake: Handshake) -> Result<Serial> {
         let handshake = i32::from(handshake == Handshake::RtsCts);
@@ -40,14 +40,14 @@ impl Serial {
     /// Sends bytes.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if they are not accepted.
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the bytes.
     #[track_caller]
     pub fn send(&self, bytes: &[u8]) -> Result {
         let code = robios7!(self.robot, SERSend(self.number.into(), ByteSlice::from(bytes)));
         checked("SERSend", Device::Numbered("serial interface", self.number), code)
     }
 
-    /// Waits for a byte.
+    /// Waits for a byte and returns it.
     #[track_caller]
     pub fn wait(&self) -> u8 {
         robios7!(self.robot, SERReceiveChar(self.number.into()))
@@ -61,7 +61,7 @@ impl Serial {
         buffer[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
     }
 
-    /// Returns true if bytes have been received and not read.
+    /// Returns true if bytes have been received and not yet read.
     #[track_caller]
     pub fn has_received(&self) -> bool {
         robios7!(self.robot, SERCheck(self.number.into())) != 0_u8
