@@ -18,9 +18,11 @@ use super::survey::{Condition, SIDE, Survey, measure};
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight, escaped};
 use crate::run::Job;
 
-/// Seeds of training and held-out terrains for the seed 1; another seed moves them up by a multiple of 100,000.
+/// Seed of the first training terrain if the seed of the job is 1.
 const TRAINING: u64 = 127_100;
+/// Seed of the first held-out terrain if the seed of the job is 1.
 const HELD_OUT: u64 = 127_500;
+/// Difference of the terrains' seeds between successive seeds of the job.
 const APART: u64 = 100_000;
 
 /// Errors of all methods for one number of readings.
@@ -80,7 +82,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     })?;
     let all_tuned: Vec<Vec<Tuned>> = of_groups.chunks(GROUPS.len()).map(|groups| groups.concat()).collect();
     let chart = work_chart(&training, &all_tuned[0])?;
-    // All choices are made above.
+    // The held-out terrains are measured only after all settings are chosen, so no choice depends on them.
     let held_out: Vec<Vec<Survey>> = Condition::ALL
         .iter()
         .map(|condition| measure(job, seeds(HELD_OUT), *condition))
@@ -311,7 +313,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
         format!("{} cm", centimetres(&of_planes.interval)),
         of_planes.verdict() == Verdict::First,
     ));
-    // Lead of the better TSK over the grid's best projection, for each number of readings.
+    // Lead of the better TSK over the grid's best projection, on each terrain, as a fraction of the grid's error.
     let lead = |result: &Results| -> Vec<f64> {
         let (tsk, grid) = (result.best(&PRINTED), result.best(&GRIDS));
         let pair = |(tsk, grid): (&f64, &f64)| (grid - tsk) / grid;
