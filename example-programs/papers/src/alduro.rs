@@ -9,7 +9,7 @@ mod ridge;
 mod survey;
 mod walk;
 
-pub(crate) use self::comparison::in_pairs;
+pub(crate) use self::comparison::on_two_threads;
 use crate::page::Page;
 use crate::run::Job;
 

@@ -15,7 +15,7 @@ use crate::{
 
 /// Maximum incidence angle at which a mirror's echo returns to the sensor, rad. The angle is much greater than rounding
 /// errors; at the longest ranges it shifts the echo by a few um.
-const HEAD_ON: f64 = 1e-6;
+const MAX_MIRROR_INCIDENCE: f64 = 1e-6;
 
 /// Angle between successive points of a spiral that covers a disc evenly, rad: the golden angle.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -99,7 +99,7 @@ impl Sonar {
     pub fn energy(&self, angle: f64, distance: f64, face: &HitSurface, alpha: f64) -> f64 {
         let Surface { reflectivity, specular } = face.surface;
         let spread = 1.0 + distance * face.curvature;
-        let mirrored = if alpha <= HEAD_ON { specular / (spread.x * spread.y) } else { 0.0 };
+        let mirrored = if alpha <= MAX_MIRROR_INCIDENCE { specular / (spread.x * spread.y) } else { 0.0 };
         let scattered = (1.0 - specular) * math::cos(alpha).max(0.0);
         let ratio = self.gain(angle) / distance;
         ratio * ratio * reflectivity * (mirrored + scattered)

@@ -23,7 +23,7 @@ const TRAINING: u64 = 127_100;
 /// Seed of the first held-out terrain if the seed of the job is 1.
 const HELD_OUT: u64 = 127_500;
 /// Difference of the terrains' seeds between successive seeds of the job.
-const APART: u64 = 100_000;
+const SEED_STRIDE: u64 = 100_000;
 
 /// Errors of all methods for one number of readings.
 struct Results {
@@ -57,13 +57,13 @@ impl Results {
 /// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     let seeds = |first: u64| {
-        let first = first + (job.seed().wrapping_sub(1)).wrapping_mul(APART);
+        let first = first + (job.seed().wrapping_sub(1)).wrapping_mul(SEED_STRIDE);
         first..first + terrains as u64
     };
     let training = measure(job, seeds(TRAINING), Condition::AsAssumed)?;
     let groups: Vec<(usize, Range<usize>)> =
         READINGS.into_iter().flat_map(|readings| GROUPS.map(|group| (readings, group))).collect();
-    let of_groups = in_pairs(&groups, |(readings, group)| {
+    let of_groups = on_two_threads(&groups, |(readings, group)| {
         let mut known = Known::new();
         METHODS[group.clone()]
             .iter()
@@ -92,7 +92,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
         job.tell(&format!("held-out terrains, {readings} readings"));
         let pairs: Vec<(&Method, &Tuned)> = METHODS.iter().zip(&tuned).collect();
         let of = |surveys: &Vec<Survey>| {
-            in_pairs(&pairs, |(method, tuned)| errors(method, &tuned.setting, surveys, readings))
+            on_two_threads(&pairs, |(method, tuned)| errors(method, &tuned.setting, surveys, readings))
         };
         let errors = held_out.iter().map(of).collect::<anyhow::Result<_>>()?;
         results.push(Results { readings, tuned, errors });
@@ -121,7 +121,10 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
 }
 
 /// Applies a function to each item of a list, on two threads. The results are in the order of the list.
-pub fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R> + Sync) -> anyhow::Result<Vec<R>> {
+pub fn on_two_threads<T: Sync, R: Send>(
+    list: &[T],
+    each: impl Fn(&T) -> anyhow::Result<R> + Sync,
+) -> anyhow::Result<Vec<R>> {
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();

@@ -15,7 +15,7 @@ use sim_core::sensor::Echo;
 use self::course::{Course, Floor, WAY, courses};
 use self::placement::{Condition, JUDGED, Place, SCENES, SEARCHED, SENSORS, STEP, Score, Sensor, known, points, score};
 use super::side::{Canvas, FAR_LEG, NEAR_LEG, RAY};
-use crate::alduro::in_pairs;
+use crate::alduro::on_two_threads;
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::Job;
 
@@ -259,7 +259,7 @@ pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     };
     let training = courses(job, &from(TRAINING))?;
     let methods = Method::all();
-    let tuned = in_pairs(&methods, |method| {
+    let tuned = on_two_threads(&methods, |method| {
         let tuned = method.tuned(&training)?;
         if let Some(tuned) = &tuned {
             let (words, error) = (method.words(&tuned.setting), training_error(tuned));
@@ -272,7 +272,7 @@ pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     let tilts = tilt_chart(&all, &training)?;
     // Nothing is chosen from here on.
     let held_out = courses(job, &from(HELD_OUT))?;
-    let scores = in_pairs(&all, |result| Ok(result.judge(&held_out, &SEARCHED)))?;
+    let scores = on_two_threads(&all, |result| Ok(result.judge(&held_out, &SEARCHED)))?;
     all.iter_mut().zip(scores).for_each(|(result, scores)| result.scores = scores);
     let results = Results::new(all)?;
 
@@ -585,7 +585,7 @@ fn tilt_chart(all: &[Judged], training: &[Case]) -> anyhow::Result<Figure> {
     let singles: Vec<&Judged> =
         all.iter().filter(|result| result.method.places.len() == 1 && result.method.kind == Kind::Free).collect();
     let tilts: Vec<f64> = (2..=32).map(|step| 5.0 * f64::from(step)).collect();
-    let curves = in_pairs(&singles, |result| {
+    let curves = on_two_threads(&singles, |result| {
         let mut setting = result.setting().to_vec();
         let mut error = |tilt: f64| {
             setting[1] = tilt;
