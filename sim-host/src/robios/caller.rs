@@ -136,29 +136,14 @@ impl<F: Flow> Caller<F> {
     ) -> Result<(), Stop> {
         let since = robot.now;
         loop {
-            let polled = poll(&mut robot, self.flow.world());
-            self.note_hints(&mut robot, Some(&site));
-            let (at, reason) = match polled {
-                Poll::Ready(()) => {
-                    robot.tasks.end_wait();
-                    return self.take_turns(robot, call);
-                }
-                Poll::Pending { at, reason } => (at, reason),
-            };
-            if robot.timers.in_callback {
-                return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
-            }
-            // Virtual time advances by at least 1 us: a condition whose time has passed would be polled forever.
-            let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
-            let waiting = Wait { call, reason, since, site: site.clone() };
+            let (polled, wake) = self.poll_once(robot, (call, &site, since), poll)?;
+            robot = polled;
+            let Some(wake) = wake else { return self.take_turns(robot, call) };
             if robot.tasks.current().is_unwinding() {
-                if waiting.reason.is_for_task() {
-                    return Err(self.fail_in_unwinding(robot, call));
-                }
                 robot = self.pass_until(robot, wake, false)?;
                 continue;
             }
-            robot.tasks.wait(now, waiting, wake);
+            let now = robot.now;
             robot = match robot.tasks.next_thread(now) {
                 _ if robot.tasks.scheduler().is_some() => self.await_turn(robot)?,
                 NextThread::Same => self.wait_until(robot, wake)?,
@@ -169,6 +154,38 @@ impl<F: Flow> Caller<F> {
                 return Err(Stop);
             }
         }
+    }
+
+    /// Polls the condition that `call`, made at `site`, awaits since `since`. If it is not met, makes the task wait and
+    /// returns the time of the next poll. A separate function, so that a suspended robot has a small stack: each of its
+    /// cache lines is loaded again in each slot.
+    ///
+    /// # Errors
+    /// [`Stop`] if the task may not wait.
+    #[inline(never)]
+    fn poll_once<'a>(
+        &'a self,
+        mut robot: MutexGuard<'a, Robot>,
+        (call, site, since): (Call, &Site, Time),
+        poll: &mut dyn FnMut(&mut Robot, &World) -> Poll<()>,
+    ) -> Result<(MutexGuard<'a, Robot>, Option<Time>), Stop> {
+        let polled = poll(&mut robot, self.flow.world());
+        self.note_hints(&mut robot, Some(site));
+        let Poll::Pending { at, reason } = polled else {
+            robot.tasks.end_wait();
+            return Ok((robot, None));
+        };
+        if robot.timers.in_callback {
+            return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
+        }
+        // Virtual time advances by at least 1 us: a condition whose time has passed would be polled forever.
+        let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
+        if !robot.tasks.current().is_unwinding() {
+            robot.tasks.wait(now, Wait { call, reason, since, site: site.clone() }, wake);
+        } else if reason.is_for_task() {
+            return Err(self.fail_in_unwinding(robot, call));
+        }
+        Ok((robot, Some(wake)))
     }
 
     /// Lets virtual time pass until `wake` for a waiting task. Ends the task's wait if a timer callback aborts it and
@@ -188,6 +205,7 @@ impl<F: Flow> Caller<F> {
     }
 
     /// Like [`Caller::take_turns`], for a robot that has other tasks.
+    #[inline(never)]
     fn take_turns_among(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
         // The program prints inside its C library, whose streams no other task may use until the print ends.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
