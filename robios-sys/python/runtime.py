@@ -1705,6 +1705,15 @@ def _report_location(_signal_number, frame):
     _os._exit(1)
 
 
+def _leave_fork():
+    """Prepares a process that the program has forked: it has no robot, and ends at its first call."""
+    def end(*_message):
+        _os.write(2, b"error: a process that a robot program has forked cannot call RoBIOS or print with `print`: it is ended\n")
+        _os._exit(1)
+
+    _channel.send = end
+
+
 def _die_with_host(channel):
     host = _struct.unpack_from("<I", channel.memory, 28)[0]
     channel.libc.prctl(1, _signal.SIGKILL)
@@ -1745,7 +1754,7 @@ def _advice(error, trace):
         return "the last index is one less than the length, len(...) - 1"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
         return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
-    if isinstance(error, SyntaxError) and error.text:
+    if isinstance(error, SyntaxError) and error.text and not isinstance(error, IndentationError):
         return _advice_on_syntax(error.text)
     if isinstance(error, UnboundLocalError):
         name = (str(error).split("'") + [None] * 2)[1]
@@ -1777,7 +1786,8 @@ def _advice_on_syntax(line):
     for words, instead in (("++", "+= 1"), ("--", "-= 1"), ("&&", "and"), ("||", "or")):
         if words in line:
             return f"Python has no `{words}`: write `{instead}`"
-    word = re.match(r"\s*(\w*)", line).group(1)
+    # A name that is assigned, or whose attribute is used, is no misspelt keyword.
+    word = re.match(r"\s*(\w*)(?!\w|\s*[.=,])|", line).group(1) or ""
     near = difflib.get_close_matches(word, _STATEMENT_WORDS, 1, 0.75) if word not in _STATEMENT_WORDS else []
     return f"did you mean `{near[0]}`?" if near else None
 
@@ -1910,6 +1920,7 @@ def _main(path):
     _os.dup2(null, 0)
     _os.close(null)
     _die_with_host(channel)
+    _os.register_at_fork(after_in_child=_leave_fork)
     _sys.stdin = _io.TextIOWrapper(_io.BufferedReader(_Input()), encoding="utf-8", errors="replace")
     _sys.stdout, _sys.stderr = _consoles
     _ctypes.CDLL = _ctypes.cdll._dlltype = _FURTHER_NAMES["CDLL"] = _cdll(_ctypes.CDLL)

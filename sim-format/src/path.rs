@@ -50,7 +50,7 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
 ///
 /// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
 /// below the installation. The bare file name is not searched for in the folders above.
-pub(super) fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
+pub fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {
         return Vec::new();

@@ -392,7 +392,9 @@ impl<'a> Compilation<'a> {
             command.arg("-include").arg(self.kit_folder.join("include").join(header));
         }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
-        command.arg("-c").arg(self.name_in_source_folder(source)).arg("-o").arg(object);
+        // The compiler takes `MAIN.C` for C++.
+        let language = if Language::of(source) == Some(Language::Cpp) { "c++" } else { "c" };
+        command.args(["-x", language, "-c"]).arg(self.name_in_source_folder(source)).arg("-o").arg(object);
         let output = self
             .execute(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;

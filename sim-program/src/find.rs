@@ -10,6 +10,7 @@ use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
+use sim_format::path::relocated_candidates;
 
 /// Folders that are searched for programs, in this order: the sim file's folder, the working folder, further folders.
 #[derive(Clone, Debug, Default)]
@@ -149,7 +150,9 @@ fn quoted(names: &[String]) -> String {
 /// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`),
 /// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
 /// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
-/// sources and libraries of the same name in its folder.
+/// sources from which a `Makefile` beside it builds it, then the sources and libraries of the same name in its folder.
+/// If nothing is found, absolute paths are searched below the sim file's folder, as those of worlds are, and then all
+/// names without regard to upper and lower case.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.
@@ -160,6 +163,9 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
     }
     let mut finder = Finder { search, attempts: Vec::new(), notes: Vec::new(), folder_name: None };
     if let Some(source) = finder.find(reference) {
+        return Ok(finder.found(source));
+    }
+    if let Some(source) = finder.find_elsewhere(reference) {
         return Ok(finder.found(source));
     }
     let parts: Vec<&str> = reference.split(',').map(str::trim).collect();
@@ -200,6 +206,27 @@ impl Finder<'_> {
         self.candidates(reference).into_iter().find_map(|path| self.search_at(&path))
     }
 
+    /// Searches for a path from another machine below the sim file's folder, then for all names without regard to upper and
+    /// lower case.
+    fn find_elsewhere(&mut self, reference: &str) -> Option<ProgramSource> {
+        let attempt_count = self.attempts.len();
+        let text = |path: &Path| path.to_str().map(str::to_owned);
+        let folder = text(self.search.sim_folder.as_deref().unwrap_or(&self.search.working_folder))?;
+        let installation = self.search.installation.as_deref().and_then(text);
+        // `~/eyesim/maze.x`
+        let path = reference.trim().trim_start_matches('~');
+        let moved = relocated_candidates(path, &folder, installation.as_deref()).into_iter().map(PathBuf::from);
+        let moved: Vec<PathBuf> = moved.collect();
+        let all = moved.iter().cloned().chain(self.candidates(reference));
+        let other_case: Vec<PathBuf> = all.filter_map(|path| in_other_case(&path)).collect();
+        let source = moved.iter().chain(&other_case).find_map(|path| self.search_at(path));
+        // The paths of the usual search are enough for a message.
+        self.attempts.truncate(attempt_count);
+        let source = source?;
+        self.notes.push(format!("`{reference}` does not exist: `{}` is used instead", source.path().display()));
+        Some(source)
+    }
+
     fn find_source_file(&mut self, part: &str) -> Option<PathBuf> {
         match self.find(part)? {
             ProgramSource::Sources { mut files, .. } if files.len() == 1 => files.pop(),
@@ -221,6 +248,13 @@ impl Finder<'_> {
         bases.extend(search.sim_folder.as_deref());
         bases.push(&search.working_folder);
         bases.extend(search.folders.iter().map(PathBuf::as_path));
+        let mut folders = Vec::new();
+        bases.retain(|base| {
+            let folder = fs::canonicalize(base).unwrap_or_else(|_| base.to_path_buf());
+            let is_new = !folders.contains(&folder);
+            folders.push(folder);
+            is_new
+        });
         let mut paths = Vec::new();
         let has_drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
         if has_drive {
@@ -255,6 +289,17 @@ impl Finder<'_> {
             Err(first_problem) => first_problem,
         };
         self.attempts.push(Attempt { path: path.to_owned(), problem: first_problem.clone() });
+        if let Some(files) = sources_in_makefile(path) {
+            if let [first, _, ..] = files.as_slice() {
+                let (count, first) = (files.len(), first.display());
+                self.notes.push(format!(
+                    "`{}` is built from `{first}` and {} more, as `Makefile` says",
+                    path.display(),
+                    count - 1
+                ));
+            }
+            return Some(ProgramSource::of_files(files));
+        }
         for replacement in replacement_paths(path) {
             match self.program_at(&replacement) {
                 Ok(source) => {
@@ -378,6 +423,76 @@ fn replacement_paths(path: &Path) -> Vec<PathBuf> {
     paths
 }
 
+/// The sources from which the `Makefile` beside the program `path` builds it, as in `maze.x: main.c map.o`; `None` if
+/// there is no such file or rule, or a source does not exist. Variables are replaced, patterns and functions are not.
+fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
+    /// Larger files are not written by hand.
+    const MAX_BYTES: u64 = 1 << 20;
+    if replacement_paths(path).is_empty() {
+        return None;
+    }
+    let (folder, target) = (path.parent()?, path.file_name()?.to_str()?);
+    let mut text = String::new();
+    let file = ["Makefile", "makefile"].iter().find_map(|name| open_regular(&folder.join(name)).ok())?;
+    file.take(MAX_BYTES).read_to_string(&mut text).ok()?;
+    let text = text.replace("\\\n", " ");
+    let variables: Vec<(&str, &str)> = text
+        .lines()
+        .filter_map(|line| line.split_once('='))
+        .map(|(name, value)| (name.trim_end_matches([' ', ':']), value))
+        .collect();
+    let rule = text.lines().find_map(|line| {
+        let (targets, sources) = line.split_once(':')?;
+        targets.split_whitespace().any(|name| name == target).then_some(sources)
+    })?;
+    let mut sources = rule.split('#').next()?.to_owned();
+    for (name, value) in &variables {
+        sources = sources.replace(&format!("$({name})"), value).replace(&format!("${{{name}}}"), value);
+    }
+    let source = |name: &str| {
+        let path = tidy(&folder.join(name));
+        let sources = if has_extension(&path, "o") { sources_of_name(&path.with_extension("")) } else { vec![path] };
+        sources.into_iter().find(|path| Language::of(path).is_some() && path.is_file())
+    };
+    let is_header = |name: &&str| other_language(Path::new(name)).is_none();
+    let files: Option<Vec<PathBuf>> = sources.split_whitespace().filter(is_header).map(source).collect();
+    files.filter(|files| !files.is_empty())
+}
+
+/// The path that differs from `path`, which does not exist, only in upper and lower case of its names, or of the name of
+/// a program that may replace it; `None` if there is no such path.
+fn in_other_case(path: &Path) -> Option<PathBuf> {
+    let mut found = PathBuf::new();
+    let mut components = path.components().peekable();
+    while let Some(component) = components.next() {
+        let next = found.join(component);
+        if next.symlink_metadata().is_ok() {
+            found = next;
+            continue;
+        }
+        let folder = if found.as_os_str().is_empty() { Path::new(".") } else { &found };
+        let mut entries: Vec<PathBuf> = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).collect();
+        entries.sort();
+        let wanted = Path::new(component.as_os_str());
+        let is_named = |entry: &&PathBuf| entry.file_name().is_some_and(|name| name.eq_ignore_ascii_case(wanted));
+        if let Some(entry) = entries.iter().find(is_named) {
+            found.push(entry.file_name()?);
+            continue;
+        }
+        let is_last = components.peek().is_none();
+        let stem = wanted.file_stem()?;
+        let is_replacement = |entry: &&PathBuf| {
+            looks_like_program(entry) && entry.file_stem().is_some_and(|name| name.eq_ignore_ascii_case(stem))
+        };
+        let mut replacements = entries.iter().filter(is_replacement).filter(|_| is_last);
+        // A source before a library, which may be older.
+        let replacement =
+            replacements.clone().find(|entry| Language::of(entry).is_some()).or_else(|| replacements.next());
+        return Some(found.join(replacement?.file_name()?));
+    }
+    (found != path).then_some(found)
+}
+
 /// Description of a source in another language than C and C++, by its extension; completes "it is ...".
 fn other_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -456,6 +571,42 @@ mod tests {
         fn check_missing(&self, reference: &str) -> String {
             find_program(reference, &self.search).expect_err("not found").to_string()
         }
+    }
+
+    #[test]
+    fn programs_of_other_machines_and_in_other_case_are_found() {
+        let test_folder = TestFolder::with(&[("sims/go.c", b""), ("sims/progs/Turn.cpp", b""), ("sims/Main.C", b"")]);
+        for (reference, expected) in [
+            ("/home/bob/eyesim/go.x", "sims/go.c"),
+            ("~/eyesim/progs/Turn.x", "sims/progs/Turn.cpp"),
+            ("PROGS\\TURN.EXE", "sims/progs/Turn.cpp"),
+            ("/home/bob/PROGS/turn.x", "sims/progs/Turn.cpp"),
+            ("GO.C", "sims/go.c"),
+            ("main.c", "sims/Main.C"),
+            ("MAIN", "sims/Main.C"),
+        ] {
+            let found = test_folder.check(reference, &[expected]);
+            assert!(found.notes[0].contains("does not exist") && found.notes.len() == 1, "{:?}", found.notes);
+        }
+        assert!(test_folder.check("go.x", &["sims/go.c"]).notes.is_empty());
+        test_folder.check_missing("/home/bob/eyesim/stop.x");
+    }
+
+    #[test]
+    fn a_makefile_names_the_sources() {
+        let makefile = b"CC = gcc\nOBJS = main.o \\\n\tmap.o\nall: maze.x\nmaze.x: $(OBJS) map.h # all\n\t$(CC) -o $@ $^\ngone.x: gone.c\n";
+        let test_folder = TestFolder::with(&[
+            ("sims/Makefile", makefile),
+            ("sims/main.c", b""),
+            ("sims/map.cpp", b""),
+            ("sims/map.h", b""),
+            ("sims/all.c", b""),
+        ]);
+        let notes = test_folder.check("maze.x", &["sims/main.c", "sims/map.cpp"]).notes;
+        assert!(notes[0].contains("Makefile") && notes.len() == 1, "{notes:?}");
+        assert!(test_folder.check("main.x", &["sims/main.c"]).notes.is_empty());
+        test_folder.check("all.x", &["sims/all.c"]);
+        test_folder.check_missing("gone.x");
     }
 
     /// A shared library: the head of this test program without the segments that make it an executable.

@@ -51,8 +51,9 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     translated.concat()
 }
 
-/// Removes from the compiler's `output` two kinds of warnings that mostly concern intended code: fractions that are cut off, unless the
-/// number becomes 0, and texts that are printed without a format, unless `+` joins the text.
+/// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code: fractions that are cut off, unless the
+/// number becomes 0, texts that are printed without a format, unless `+` joins the text, and arrays of arrays where a pointer to their
+/// elements is expected, as in `BYTE image[120][160][3]; CAMGet(image);`.
 pub fn without_harmless_warnings(output: &str) -> String {
     let mut kept = String::new();
     // Lines before a message that belong to it: `a.c: In function 'main':`.
@@ -68,8 +69,11 @@ pub fn without_harmless_warnings(output: &str) -> String {
             let is_joined_text =
                 lines.get(index + 1).is_some_and(|code| code.contains("\" + ") && !code.contains("c_str()"));
             is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ")
-                || text.ends_with("[-Wformat-security]") && !is_joined_text;
+                || text.ends_with("[-Wformat-security]") && !is_joined_text
+                || text.ends_with("[-Wincompatible-pointer-types]") && passes_array(&lines[index + 1..]);
             is_any_dropped |= is_dropped;
+        } else if is_dropped && is_introduction && lines.get(index + 1).is_some_and(|next| next.contains(": note: ")) {
+            continue;
         } else if !line.starts_with(' ') && !text.contains(": note: ") {
             is_dropped = is_summary && is_any_dropped;
         }
@@ -84,6 +88,21 @@ pub fn without_harmless_warnings(output: &str) -> String {
         }
     }
     kept
+}
+
+/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its elements are those
+/// of the parameter.
+fn passes_array(lines: &[&str]) -> bool {
+    let mut details = lines.iter().take_while(|line| !line.contains(": warning: ") && !line.contains(": error: "));
+    let types = details.find_map(|line| line.split_once("note: expected '")?.1.split_once(" but argument is of type "));
+    types.is_some_and(|(expected, given)| given.contains("(*)[") && element_type(expected) == element_type(given))
+}
+
+/// The type to whose values a pointer in a message of gcc leads, such as `unsigned char` for `BYTE (*)[160]' {aka 'unsigned char (*)[160]'}`.
+fn element_type(message: &str) -> &str {
+    let quoted = message.trim_end().trim_end_matches(['}', '\'']);
+    let meant = quoted.rsplit_once('\'').map_or(quoted, |(_, meant)| meant);
+    meant.split(['(', '*', '[']).next().unwrap_or_default().trim()
 }
 
 /// The messages about the program among the compiler's `lines`.
@@ -1141,10 +1160,14 @@ impl Message<'_> {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
             // g++ reports a function that is indexed as an argument of a wrong type.
-            _ if given.contains("(*)") && self.split_code().is_some_and(|(_, right)| right.starts_with(']')) => {
+            _ if given.contains("(*)[") && element_type(given) == element_type(expected) => {
+                "an array of arrays stands where a pointer to its elements belongs: write `&` before its first element, as in `&image[0][0]`"
+                    .to_owned()
+            }
+            _ if given.contains("(*)(") && self.split_code().is_some_and(|(_, right)| right.starts_with(']')) => {
                 FUNCTION_INDEXED.to_owned()
             }
-            _ if given.contains("(*)") => {
+            _ if given.contains("(*)(") => {
                 "the function is named here, but not called: write `( )` after it, as in `PSDGet(1)`".to_owned()
             }
             _ if NUMBERS.contains(&given) && self.code().is_some_and(|code| print_arguments(code).is_some()) => {
@@ -1752,6 +1775,15 @@ mod tests {
                     a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
         assert_eq!(without_harmless_warnings(output), kept);
         assert_eq!(without_harmless_warnings(kept), kept);
+        let array = "a.c: In function 'main':\n\
+                     a.c:5:36: warning: passing argument 1 of 'CAMGet' from incompatible pointer type [-Wincompatible-pointer-types]\n    5 | CAMGet(img);\n      |        ^~~\n\
+                     In file included from a.c:1:\n\
+                     /k/eyebot.h:330:18: note: expected 'BYTE *' {aka 'unsigned char *'} but argument is of type 'BYTE (*)[160][3]' {aka 'unsigned char (*)[160][3]'}\n  330 | int CAMGet(BYTE *buf);\n\
+                     a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
+        let kept_alone = "a.c: In function 'main':\na.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
+        assert_eq!(without_harmless_warnings(array), kept_alone);
+        let of_int = array.replace("type 'BYTE (*)[160][3]' {aka 'unsigned char (*)[160][3]'}", "type 'int (*)[160]'");
+        assert_eq!(without_harmless_warnings(&of_int), of_int);
         let included = "In file included from a.c:1:\nb.h: In function 'two':\n\
                         b.h:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n";
         assert_eq!(without_harmless_warnings(included), "");
