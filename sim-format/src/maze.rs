@@ -260,7 +260,7 @@ impl Grid {
     fn of(sink: &mut Sink, rows: &[Line<'_>]) -> Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
-                let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
+                let characters = || drawing_characters(row);
                 let is_on_line = |column| matches!(grid.role(column), Some(ColumnRole::Wall(_)));
                 characters().all(|(column, c, _)| c != '|' || is_on_line(column))
                     && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
@@ -295,8 +295,16 @@ fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + 
     characters.map(move |((byte, character), column)| (column, character, line.character_span(byte, column + 1)))
 }
 
-fn is_comment(character: char) -> bool {
-    matches!(character, ';' | '#')
+/// Characters of a row without its comment. A comment begins at `;` or `#`, unless only blanks and walls follow: then the
+/// character stands in a cell.
+fn drawing_characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
+    let is_comment = |(byte, character): &(usize, char)| {
+        let rest = line.text[byte + character.len_utf8()..].trim_end();
+        matches!(character, ';' | '#')
+            && (rest.is_empty() || rest.contains(|c| !matches!(c, ' ' | '.' | '|' | '_' | '#' | ';')))
+    };
+    let length = line.text.char_indices().position(|entry| is_comment(&entry)).unwrap_or(usize::MAX);
+    characters(line).take(length)
 }
 
 /// Content of a drawing, by columns and rows of cells; row 0 is the upper border.
@@ -318,7 +326,7 @@ impl Drawing {
 
     fn read_row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
         let mut has_wall_in_cell = false;
-        for (text_column, character, span) in characters(line) {
+        for (text_column, character, span) in drawing_characters(line) {
             let Some(role) = self.grid.role(text_column) else {
                 continue;
             };
@@ -342,7 +350,6 @@ impl Drawing {
                 // An underscore in a wall column belongs to the cell on the left.
                 ('_', ColumnRole::Wall(0)) => {}
                 ('_', ColumnRole::Wall(column)) => self.add_wall_below(row, column - 1, span),
-                (comment, _) if is_comment(comment) => break,
                 (letter, role) => self.add_letter(sink, row, role, letter, span),
             }
         }

@@ -241,10 +241,15 @@ impl Reader {
         let word = rest.first().unwrap_or(keyword);
         let name = rest.first().map_or("", |word| word.text);
         let Some((_, kind, default)) = DRIVES.iter().find(|(word, ..)| *word == name) else {
-            let message = format!("unknown drive `{name}`; a differential drive is taken");
+            let message = format!("unknown drive `{name}`");
             let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_SYNTAX);
             let words = DRIVES.iter().map(|(word, ..)| *word);
-            diagnostic.suggestion = line::nearest(name, words).map(|kind| format!("write `{kind}`"));
+            let begun = DRIVES
+                .iter()
+                .map(|(word, ..)| *word)
+                .find(|word| !name.is_empty() && word.starts_with(&name.to_uppercase()));
+            let kind = begun.or_else(|| line::nearest(name, words));
+            diagnostic.suggestion = kind.map(|kind| format!("write `{kind}`"));
             return;
         };
         let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();

@@ -153,7 +153,14 @@ impl Reader {
                 Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
                 None => format!("a wall of {count} numbers"),
             };
+            let separated = words.iter().map(|word| word.text.replace([',', ';'], " ")).collect::<Vec<_>>().join(" ");
+            let has_separators = words.iter().any(|word| word.text.contains([',', ';']));
             let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_SYNTAX);
+            if has_separators && matches!(separated.split_whitespace().count(), 4 | 6 | 9) {
+                let numbers = separated.split_whitespace().collect::<Vec<_>>().join(" ");
+                diagnostic.suggestion = Some(format!("write `{numbers}`: blanks separate numbers"));
+                return;
+            }
             if let ([x, y, phi], 3) = (words, count) {
                 let push = format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text);
                 diagnostic.suggestion = Some(push);
