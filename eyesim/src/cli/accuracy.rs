@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::{self, Write as _};
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -14,8 +14,8 @@ use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use sim_host::record::report::write_atomically;
 
-use super::diagnostic::print;
 use super::output::check_outputs;
+use super::output::{print, print_error, say, tell};
 use crate::plot::chart;
 
 /// Arguments of `eyesim accuracy`.
@@ -60,12 +60,15 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let mut rows = Vec::new();
     for study in studies {
         let start = Instant::now();
-        eprintln!("{}: {} ...", study.name, study.title);
+        say(format_args!("{}: {} ...", study.name, study.title));
         let outcome = (study.run)(effort);
-        eprintln!("{}: measured in {:.1} s", study.name, start.elapsed().as_secs_f64());
+        say(format_args!("{}: measured in {:.1} s", study.name, start.elapsed().as_secs_f64()));
         let table = format!("{}\n\n{}\n", study.title, text_table(&outcome.rows));
-        let written = if is_json_printed { io::stderr().write_all(table.as_bytes()) } else { print(&table) };
-        written.context("the table")?;
+        if is_json_printed {
+            print_error(&table)
+        } else {
+            tell(table.trim_end_matches('\n'))
+        }
         if let Some(folder) = &args.plots {
             write_figures(folder, &study, &outcome)?;
         }

@@ -21,6 +21,7 @@ use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen};
+use super::output::print;
 use super::run::{parse_dialect, parse_maze_cell};
 
 /// Exit code when there are errors, or warnings under `--strict`.
@@ -74,7 +75,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             text.push_str(&format!("See `eyesim explain {}`\n", first.code));
         }
     }
-    diagnostic::print(&text)?;
+    print(&text)?;
     Ok(if checked.is_rejected(args.strict) { ExitCode::from(EXIT_MISTAKES) } else { ExitCode::SUCCESS })
 }
 

@@ -15,7 +15,7 @@ use sim_host::launch::check::{known_generation, search_path};
 
 use super::EXIT_USAGE;
 use super::diagnostic::{self, Colour, Format, Screen};
-use super::output::say;
+use super::output::{print, print_error, say, tell};
 use super::run::parse_maze_cell;
 
 /// Arguments of `eyesim convert`.
@@ -59,7 +59,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let converted = convert_with(&files.name(&from), &slashed(&to), options, &files, &generation_of);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);
-        eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
+        print_error(&diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
     }
     converted.notes.iter().for_each(|note| say(format_args!("{note}")));
     if has_errors(&converted.diagnostics) {
@@ -69,7 +69,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     check_outputs(&converted, args.force)?;
     for output in &converted.outputs {
         std::fs::write(&output.path, &output.bytes).with_context(|| format!("`{}` cannot be written", output.path))?;
-        println!("{}", output.path);
+        tell(&output.path);
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -114,7 +114,7 @@ pub enum SchemaOf {
 /// # Errors
 /// If standard output cannot be written to.
 pub fn schema(args: &SchemaArgs) -> anyhow::Result<ExitCode> {
-    diagnostic::print(&match args.of {
+    print(&match args.of {
         SchemaOf::Scene => scene_schema(),
         SchemaOf::Suite => suite_schema(),
     })?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::IsTerminal;
 
 use clap::ValueEnum;
 use console::Term;
@@ -130,18 +130,6 @@ pub fn render(
         Format::Json => serde_json::to_string_pretty(diagnostics).map(|json| json + "\n"),
         _ if format.is_human(screen) => Ok(human(diagnostics, inputs, screen)),
         _ => Ok(diagnostics.iter().map(|diagnostic| short(diagnostic) + "\n").collect()),
-    }
-}
-
-/// Prints to standard output; a closed pipe (`eyesim check | head`) is not an error.
-///
-/// # Errors
-/// If standard output cannot be written to.
-pub fn print(text: &str) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        result => result,
     }
 }
 

@@ -14,8 +14,8 @@ use sim_host::record::diff::{Difference, TraceDiff};
 use sim_host::record::read::RecordedEvent;
 
 use super::EXIT_PROGRAM;
+use super::output::print;
 use super::output::{check_outputs, say};
-use super::run::print;
 use crate::plot::{self, Drawing, PictureKind};
 
 /// Maximum number of differences between two reports, and of robots of two traces, that are printed.

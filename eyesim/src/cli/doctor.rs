@@ -19,7 +19,7 @@ use sim_host::program::python::{Python, PythonError};
 use sim_host::program::sandbox::Kernel;
 use sim_host::program::{Cache, Tools};
 
-use super::run::print;
+use super::output::print;
 
 /// Arguments of `eyesim doctor`.
 #[derive(Args)]

@@ -7,7 +7,8 @@ use owo_colors::{OwoColorize, Style};
 use sim_format::{Code, Severity, UnknownCode};
 
 use super::EXIT_USAGE;
-use super::diagnostic::{Colour, Screen, print};
+use super::diagnostic::{Colour, Screen};
+use super::output::{print, print_error};
 
 /// Maximum width of prose, in columns.
 const MAX_WIDTH: usize = 100;
@@ -38,7 +39,7 @@ pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
                 "" => "`eyesim explain` lists all codes\n".to_owned(),
                 family => format!("there are\n{}", list(family, Screen::of_stderr(args.color))),
             };
-            eprint!("error: {error}; {list}");
+            print_error(&format!("error: {error}; {list}"));
             return Ok(ExitCode::from(EXIT_USAGE));
         }
     }

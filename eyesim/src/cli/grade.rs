@@ -22,7 +22,7 @@ use sim_host::record::report::write_atomically;
 use student::View;
 
 use super::EXIT_INTERRUPTED;
-use super::output::say;
+use super::output::{say, tell};
 use super::pack::{self, Collected, is_archive};
 use super::run::{parse_count, parse_sandbox, report_diagnostics};
 use super::test::screen::number;
@@ -165,7 +165,7 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let mean = students.iter().map(Student::points).sum::<f64>() / students.len() as f64;
     let max_points = students.iter().map(Student::max_points).fold(0.0, f64::max);
     let count = |verdict| students.iter().filter(|student| student.verdict() == verdict).count();
-    println!(
+    tell(format_args!(
         "{} submissions: {} passed, {} failed, {} could not be run; mean {} of {} points, in {:.1} s",
         students.len(),
         count("passed"),
@@ -174,9 +174,9 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
         number(mean),
         number(max_points),
         start.elapsed().as_secs_f64()
-    );
+    ));
     if let Some(output) = &args.output {
-        println!("the page of the class: {}", output.join("index.html").display());
+        tell(format_args!("the page of the class: {}", output.join("index.html").display()));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -233,19 +233,19 @@ fn grade(
     let jobs = job_count(args.jobs);
     let cached_count = submissions.len() - missing.len();
     if !args.quiet && cached_count > 0 {
-        println!("{cached_count} of {} submissions are unchanged or equal to another", submissions.len());
+        tell(format_args!("{cached_count} of {} submissions are unchanged or equal to another", submissions.len()));
     }
     let mut count = 0;
     grade_all(grader, &submissions, &missing, jobs, &mut |index, graded| {
         count += 1;
         if !args.quiet {
             let passed_count = graded.results.iter().filter(|result| result.row.outcome == RowOutcome::Passed).count();
-            println!(
+            tell(format_args!(
                 "[{count}/{}] {}: {passed_count} of {} cases passed",
                 missing.len(),
                 Printable(&submissions[index].name),
                 graded.results.len()
-            );
+            ));
         }
         if let Some(path) = file(&keys[index]) {
             let bytes = serde_json::to_vec(&graded).map_err(std::io::Error::other);

@@ -6,7 +6,6 @@
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 use output::say;
@@ -54,8 +53,8 @@ pub const EXIT_INTERNAL: u8 = 3;
 /// The user interrupted the run.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
-/// Time within which this process must end once its command is done.
-const END_TIMEOUT: Duration = Duration::from_secs(2);
+/// Time in s within which this process must end once its command is done.
+const END_TIMEOUT: u32 = 2;
 
 /// Simulates mobile robots like EyeSim: robot programs written against RoBIOS, run in lockstep.
 #[derive(Parser)]
@@ -183,6 +182,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Doctor(args) => doctor::run(&args),
         Command::New(args) => new::run(&args),
     };
+    let result = result.and_then(|code| output::take_failure().map(|()| code));
     interrupt::end_within(END_TIMEOUT);
     result.unwrap_or_else(|error| {
         say(format_args!("error: {error:#}"));

@@ -12,6 +12,8 @@ use clap::{Args, ValueEnum};
 use sim_host::host;
 use sim_host::program::Generation;
 
+use super::output::tell;
+
 /// Arguments of `eyesim new`.
 #[derive(Args, Debug)]
 pub struct NewArgs {
@@ -72,15 +74,15 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
         files.push((format!("{name}.suite.toml"), text));
     }
     write_folder(&folder, &files)?;
-    println!("wrote `{}`; run it with\n\n    eyesim run {}/{name}.sim\n", folder.display(), folder.display());
+    tell(format_args!("wrote `{}`; run it with\n\n    eyesim run {}/{name}.sim\n", folder.display(), folder.display()));
     if args.suite {
-        println!("and judge it with\n\n    eyesim test {}\n", folder.display());
+        tell(format_args!("and judge it with\n\n    eyesim test {}\n", folder.display()));
     }
     if args.lang == Language::Rust && api.is_none() {
-        println!(
+        tell(format_args!(
             "The source of eyesim is not where this eyesim was built: set the path of `robios-api` in `{}` first.",
             folder.join("Cargo.toml").display()
-        );
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,16 +1,59 @@
-//! Messages on standard error, and checks of output files before a command begins.
+//! Lines on the standard streams, which may be closed or full, and checks of output files before a command begins.
 
+use std::io::{self, ErrorKind, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use parking_lot::Mutex;
 use sim_host::record::log::Printable;
+
+/// First error of [`tell`] that nobody has taken yet.
+static FAILURE: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// Prints a line on standard output. An error is kept for [`take_failure`], so that a command still writes its files; a
+/// closed pipe (`| head`) is no error.
+pub fn tell(line: impl std::fmt::Display) {
+    put(format!("{line}\n").as_bytes());
+}
+
+fn put(bytes: &[u8]) {
+    let mut out = io::stdout().lock();
+    if let Err(error) = out.write_all(bytes).and_then(|()| out.flush())
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        FAILURE.lock().get_or_insert(error);
+    }
+}
+
+/// Prints to standard output; a closed pipe is no error.
+///
+/// # Errors
+/// Standard output cannot be written to.
+pub fn print(text: &str) -> anyhow::Result<()> {
+    put(text.as_bytes());
+    take_failure()
+}
+
+/// Reports an error of [`tell`] once.
+///
+/// # Errors
+/// Standard output could not be written to.
+pub fn take_failure() -> anyhow::Result<()> {
+    FAILURE.lock().take().map_or(Ok(()), |error| Err(error).context("standard output"))
+}
+
+/// Prints text on standard error, if that can be written to.
+pub fn print_error(text: &str) {
+    // There is no other stream for the error.
+    _ = io::stderr().lock().write_all(text.as_bytes());
+}
 
 /// Prints lines on standard error. They may quote programs and foreign files: control characters, which a terminal
 /// would interpret, are shown as escapes.
 pub fn say(text: impl std::fmt::Display) {
     for line in text.to_string().lines() {
-        eprintln!("{}", Printable(line));
+        print_error(&format!("{}\n", Printable(line)));
     }
 }
 

@@ -12,7 +12,7 @@ use sim_host::files::DiskFiles;
 use super::EXIT_USAGE;
 use super::check::is_scene;
 use super::diagnostic::{self, Colour, Format, Screen};
-use super::output::check_outputs;
+use super::output::{check_outputs, print_error};
 use crate::plot::{self, Drawing, PictureKind};
 
 /// Minimum and maximum width and height of a picture in pixels.
@@ -45,7 +45,7 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     let name = files.name(&args.file);
     let (drawing, loaded) = draw(&name, &files)?;
     let screen = Screen::of_stderr(Colour::Auto);
-    eprint!("{}", diagnostic::render(&loaded.diagnostics, &loaded.inputs, Format::Auto, screen)?);
+    print_error(&diagnostic::render(&loaded.diagnostics, &loaded.inputs, Format::Auto, screen)?);
     let Some(mut drawing) = drawing else { return Ok(ExitCode::from(EXIT_USAGE)) };
     check_outputs(&[("-o", &args.output)], loaded.inputs.iter().map(|input| input.path.as_str()))?;
     if let Some(title) = &args.title {

@@ -165,7 +165,7 @@ impl Progress {
 
     /// Standard error, whose lines appear above the bar.
     pub fn stderr(&self) -> Box<dyn Write + Send> {
-        self.above_bar(io::stderr(), true)
+        self.above_bar(Lossy(io::stderr()), true)
     }
 
     fn above_bar(&self, stream: impl Write + Send + 'static, is_same_screen: bool) -> Box<dyn Write + Send> {
@@ -185,6 +185,21 @@ fn message(now: Time, until: Time, factor: f64, counts: Counts) -> String {
         parts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
     let robots = if parts.is_empty() { String::new() } else { format!("; {}", parts.join(", ")) };
     format!("{now}{end}, {speed} times real time{robots}")
+}
+
+/// Stream whose errors are ignored: a full or closed standard error is no reason to end a run.
+struct Lossy<W>(W);
+
+impl<W: Write> Write for Lossy<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        _ = self.0.write_all(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        _ = self.0.flush();
+        Ok(())
+    }
 }
 
 /// Stream on the same screen as a bar, which is hidden during each write.

@@ -33,8 +33,9 @@ use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
 use super::output::check_outputs;
+use super::output::print;
 use super::output::say;
-use super::run::{self, ConsoleRun, RunArgs, print};
+use super::run::{self, ConsoleRun, RunArgs};
 use super::view::{open_browser, open_window};
 use crate::window::recording::recording;
 use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
@@ -49,7 +50,7 @@ pub struct ReplayArgs {
     #[arg(long)]
     verify: bool,
     /// Number of robots that run at the same time [default: one for each processor]
-    #[arg(long, value_name = "NUMBER", requires = "verify")]
+    #[arg(long, value_name = "NUMBER", value_parser = run::parse_threads, requires = "verify")]
     threads: Option<NonZeroUsize>,
     /// Write the recording and the page that plays it into one file, which a browser can open from disk
     #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]

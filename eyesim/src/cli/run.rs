@@ -6,7 +6,6 @@ mod recording;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,7 +31,7 @@ use sim_host::program::words::quoted;
 use sim_host::record::{Report, TraceFilter};
 
 use super::cc::parse_api;
-use super::output::{StandardStreams, say};
+use super::output::{StandardStreams, print, print_error, say};
 use super::table::{self, TableScreen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 
@@ -83,7 +82,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "MS", value_parser = parse_slot, allow_hyphen_values = true)]
     pub slot: Option<Time>,
     /// Number of robots that run at the same time [default: one for each processor]
-    #[arg(long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
+    #[arg(long, value_name = "NUMBER", value_parser = parse_threads, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
     /// Where programs run: on threads of this process, or each in its own process, where a fault ends only its robot
     #[arg(long, value_name = "WHERE", value_parser = exec_parser(), default_value = "auto")]
@@ -301,7 +300,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let table = table::render(&finished_run.finished.report, TableScreen::of_stdout());
     let view = view_command(&finished_run.finished.report).map(|line| format!("{line}\n")).unwrap_or_default();
     match args.prints_report() {
-        true => eprint!("{table}{view}"),
+        true => print_error(&(table + &view)),
         false => print(&(table + &view))?,
     }
     explain(&finished_run.finished);
@@ -346,17 +345,6 @@ pub fn carry_out(
     });
     script.refused().iter().for_each(|(at, why)| say(format_args!("--repeat: at {at}: {why}")));
     Ok(Some(finished_run))
-}
-
-/// Prints to standard output; a closed pipe (`| head`) is not an error.
-///
-/// # Errors
-/// Any other error of writing.
-pub fn print(text: &str) -> anyhow::Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
-        _ => Ok(()),
-    }
 }
 
 /// Prints on standard error the reason of the run's end if the table does not show it, and the reasons why robots
@@ -486,10 +474,14 @@ const MAX_CELL_MM: f64 = 1e6;
 
 fn parse_slot(text: &str) -> Result<Time, String> {
     let millis: f64 = text.parse().unwrap_or(f64::NAN);
-    let slot = Time((millis * 1000.0).round() as i64);
+    let micros = millis * 1000.0;
+    let slot = Time(micros.round() as i64);
     // A slot of more than an hour is surely a mistake.
     if !millis.is_finite() || slot < Time(1) || slot > Time::from_millis(3_600_000) {
         return Err("expected 0.001 to 3600000 milliseconds".into());
+    }
+    if (micros - micros.round()).abs() > 1e-6 * micros {
+        return Err("expected a multiple of 0.001 milliseconds".into());
     }
     Ok(slot)
 }
@@ -524,6 +516,18 @@ fn parse_megabytes(text: &str) -> Result<u64, String> {
 /// Message with what is expected.
 pub fn parse_count(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().ok().ok_or_else(|| "expected a whole number from 1, such as 4".to_owned())
+}
+
+/// Maximum number of threads of a run; more than the processors of any machine only take memory.
+const MAX_THREADS: usize = 1024;
+
+/// Parses a number of threads.
+///
+/// # Errors
+/// Message with what is expected.
+pub fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
+    let count = parse_count(text).ok().filter(|count| count.get() <= MAX_THREADS);
+    count.ok_or_else(|| format!("expected a whole number from 1 to {MAX_THREADS}, such as 4"))
 }
 
 fn parse_timeout(text: &str) -> Result<f64, String> {

@@ -17,7 +17,7 @@ use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::record::log::Printable;
 use sim_host::record::report::write_atomically;
 
-use super::output::{check_outputs, say};
+use super::output::{check_outputs, say, tell};
 use super::pack::is_archive;
 use super::run::report_diagnostics;
 use super::test::{builder, expect_suite, job_count};
@@ -202,14 +202,14 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
         ));
         return Ok(ExitCode::from(EXIT_INTERRUPTED));
     }
-    println!(
+    tell(format_args!(
         "{} of {} cases have rows in {}: {}, in {:.1} s",
         outcomes.len(),
         indices.len(),
         lines.path.display(),
         counts(outcomes.values().copied()),
         start.elapsed().as_secs_f64()
-    );
+    ));
     let has_errors = outcomes.values().any(|outcome| *outcome == RowOutcome::Error);
     Ok(if has_errors { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
@@ -278,11 +278,11 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
         }
     }
     let rows = merge(files)?;
-    println!("{} of {cases} cases have rows: {}", rows.len(), counts(rows.iter().map(|row| row.outcome)));
+    tell(format_args!("{} of {cases} cases have rows: {}", rows.len(), counts(rows.iter().map(|row| row.outcome))));
     if rows.iter().filter(|row| row.outcome != RowOutcome::Error).count() >= cases {
         return Ok(ExitCode::SUCCESS);
     }
-    incomplete.iter().for_each(|line| println!("{line}"));
+    incomplete.iter().for_each(tell);
     Ok(ExitCode::from(EXIT_PROGRAM))
 }
 
@@ -332,7 +332,7 @@ fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
         _ => json_lines(&rows)?,
     };
     write_atomically(output, &bytes).with_context(|| format!("cannot write `{}`", output.display()))?;
-    println!("{} rows in {}: {}", rows.len(), output.display(), counts(rows.iter().map(|row| row.outcome)));
+    tell(format_args!("{} rows in {}: {}", rows.len(), output.display(), counts(rows.iter().map(|row| row.outcome))));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -26,7 +26,7 @@ use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Win
 
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
-use super::output::say;
+use super::output::{say, tell};
 use super::pack::open_for_run;
 use super::run::{self, ConsoleRun, FinishedRun, RunArgs, Speed, explain, parse_seconds};
 use super::table::{self, TableScreen};
@@ -181,9 +181,9 @@ pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, ti
 fn announce_address(args: &ViewArgs, window: &Window) {
     let url = window.url();
     if args.listen.is_some() {
-        println!("class:   {}\nteacher: {url}", window.public_url());
+        tell(format_args!("class:   {}\nteacher: {url}", window.public_url()));
     } else {
-        println!("{url}");
+        tell(&url);
     }
     if !args.no_open && !open_browser(&url) {
         say("no browser could be opened: open the address above in one, or set BROWSER");
@@ -251,9 +251,7 @@ impl Session {
             let is_restart = self.next.lock().is_some();
             if !is_restart {
                 explain(&finished_run.finished);
-                table::checks(&finished_run.finished.report, TableScreen::of_stdout())
-                    .iter()
-                    .for_each(|line| println!("{line}"));
+                table::checks(&finished_run.finished.report, TableScreen::of_stdout()).iter().for_each(tell);
             }
             match self.wait_for_next(&finished_run, &show) {
                 Some((next, args)) => {

@@ -339,7 +339,8 @@ fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixS
     if let Some(bytes) = suite.spec.limits.memory
         && let Err(error) = limit_memory(bytes)
     {
-        eprintln!("error: the memory of a case cannot be limited: {error}");
+        // Without standard error there is nobody to tell.
+        _ = writeln!(io::stderr(), "error: the memory of a case cannot be limited: {error}");
     }
     let mut request = [0; 4];
     while stream.read_exact(&mut request).is_ok() {

@@ -360,8 +360,17 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("setlocale", SHARED),
     ("uselocale", SHARED),
     ("tzset", SHARED),
-    ("chdir", SHARED),
-    ("fchdir", SHARED),
+    ("chdir", FOLDER),
+    ("fchdir", FOLDER),
+    ("chroot", FOLDER),
+    ("setuid", RIGHTS),
+    ("seteuid", RIGHTS),
+    ("setreuid", RIGHTS),
+    ("setresuid", RIGHTS),
+    ("setgid", RIGHTS),
+    ("setegid", RIGHTS),
+    ("setregid", RIGHTS),
+    ("setresgid", RIGHTS),
     ("umask", SHARED),
     ("setrlimit", LIMIT),
     ("setrlimit64", LIMIT),
@@ -403,6 +412,8 @@ const THREAD: &str = "threads other than the robot's tasks do not run in virtual
 const LIMIT: &str = "changes the limits of the process, which is the host";
 const SYSTEM: &str = "bypasses the shim";
 const SHARED: &str = "changes state that all robots and the host share";
+const FOLDER: &str = "changes the folder to which paths of all robots and the host refer";
+const RIGHTS: &str = "changes the rights of the process, which is the host";
 const DESCRIPTOR: &str = "affects the host's input and output";
 const GENERATOR: &str = "changes the generator that all robots share";
 const NETWORK: &str = "data from a network differ between runs";
@@ -438,7 +449,7 @@ pub fn endangers_host(symbol: &str) -> Option<&'static str> {
         return Some("ends the process, which is the host");
     }
     let reason = OUTSIDE_GUARANTEE.iter().find(|(name, _)| *name == symbol).map(|(_, text)| *text)?;
-    [PROCESS, SIGNAL, DESCRIPTOR, LIMIT, SYSTEM].contains(&reason).then_some(reason)
+    [PROCESS, SIGNAL, DESCRIPTOR, LIMIT, FOLDER, RIGHTS, SYSTEM].contains(&reason).then_some(reason)
 }
 
 #[cfg(test)]
@@ -447,7 +458,8 @@ mod tests {
 
     #[test]
     fn symbols_that_end_the_host_are_distinguished_from_those_that_differ_between_runs() {
-        for dangerous in ["execve", "fork", "dup2", "close_range", "sigaction", "syscall", "prlimit", "_exit", "setsid"]
+        for dangerous in
+            ["execve", "fork", "dup2", "close_range", "sigaction", "syscall", "prlimit", "_exit", "setsid", "chdir"]
         {
             assert!(endangers_host(dangerous).is_some(), "{dangerous}");
         }

@@ -33,6 +33,15 @@ static PROCESS_INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 /// Ctrl-C is for a debugger and is ignored here.
 static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 
+/// Lets writes beyond the limit of file sizes fail, which is reported, instead of ending the process.
+///
+/// # Errors
+/// The kernel refuses to ignore the signal.
+pub fn ignore_file_limit() -> io::Result<()> {
+    // SAFETY: no handler.
+    unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }.map(drop)
+}
+
 /// Installs the handlers of a binary, before its first run, and returns the interrupt that Ctrl-C and SIGTERM set; the second such
 /// signal ends the process. A fault in a thread that a robot program started by itself ends the process with a message.
 ///
@@ -48,10 +57,11 @@ pub fn of_process() -> io::Result<Interrupt> {
     if Handlers::are_installed() {
         return Err(io::Error::other("a run is going on already"));
     }
-    // A program that lowers the limit of file sizes makes writing fail, which is reported, instead of ending the process.
-    // SAFETY: no handler.
-    unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }?;
-    for signal in INTERRUPTS {
+    ignore_file_limit()?;
+    // SAFETY: the call changes nothing.
+    let hangup = unsafe { change_action(libc::SIGHUP, None) }?;
+    IS_HANGUP_IGNORED.store(hangup.sa_sigaction == libc::SIG_IGN, Ordering::Release);
+    for signal in interrupts() {
         // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe.
         unsafe { change_action(signal, Some(&interrupt_action())) }?;
     }
@@ -66,8 +76,15 @@ pub fn of_process() -> io::Result<Interrupt> {
     Ok(interrupt)
 }
 
-/// The signals that interrupt the runs of a binary.
-const INTERRUPTS: [i32; 2] = [libc::SIGINT, libc::SIGTERM];
+/// The signals that interrupt the runs of a binary: Ctrl-C, a request to end, and the end of the terminal, unless `nohup`
+/// ignores that.
+fn interrupts() -> impl Iterator<Item = i32> {
+    let hangup = (!IS_HANGUP_IGNORED.load(Ordering::Acquire)).then_some(libc::SIGHUP);
+    [libc::SIGINT, libc::SIGTERM].into_iter().chain(hangup)
+}
+
+/// The process was started with the end of the terminal ignored.
+static IS_HANGUP_IGNORED: AtomicBool = AtomicBool::new(false);
 
 /// [`of_process`] has installed its handlers.
 static HAS_HANDLERS: AtomicBool = AtomicBool::new(false);
@@ -79,7 +96,7 @@ fn interrupt_action() -> libc::sigaction {
 /// Reinstalls the handlers of [`of_process`] that programs have replaced, as [`Handlers::reinstall`] does.
 pub(super) fn reinstall(is_of_program: impl Fn(usize) -> bool) {
     if HAS_HANDLERS.load(Ordering::Acquire) {
-        INTERRUPTS.iter().for_each(|signal| signal::reinstall(*signal, &interrupt_action(), &is_of_program));
+        interrupts().for_each(|signal| signal::reinstall(signal, &interrupt_action(), &is_of_program));
     }
 }
 
@@ -143,6 +160,12 @@ pub(super) fn disarm_last_resort() {
 }
 
 extern "C" fn on_last_resort(_: i32) {
+    if IS_ENDING.load(Ordering::Acquire) {
+        const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
+        // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
+        unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
+        exit_at_once(1)
+    }
     if trace_file::has_drained() {
         // The run has ended, and a slow file still takes its trace.
         return arm_last_resort();
@@ -167,19 +190,16 @@ fn exit_after_writing(code: i32) -> ! {
     exit_at_once(code)
 }
 
-/// Ends this process with exit code 1 after `timeout`, in case a destructor of a program hangs while the process ends
-/// by itself.
-pub fn end_within(timeout: std::time::Duration) {
-    const WORDS: &[u8] = b"error: a destructor of a robot program does not return: the process is ended\n";
-    let end = move || {
-        std::thread::sleep(timeout);
-        // SAFETY: the call is safe at any time, and `WORDS` has as many bytes as are given.
-        unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
-        exit_at_once(1)
-    };
-    // If no thread can be started, the process ends when its destructors return.
-    let _ = std::thread::Builder::new().name("end".to_owned()).spawn(end);
+/// Ends this process with exit code 1 after `seconds`, in case a destructor of a program hangs while the process ends by
+/// itself; a signal of [`of_process`] ends it earlier. Does nothing without [`of_process`]. Allocates nothing, since a
+/// program that broke inside the C library may hold the lock of its allocator.
+pub fn end_within(seconds: u32) {
+    IS_ENDING.store(true, Ordering::Release);
+    LAST_RESORT.set(seconds.into());
 }
+
+/// [`end_within`] was called: the command is done.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
 /// Ignores Ctrl-C from now on: it is meant for the debugger, which shares this process's process group.
 pub fn leave_interrupts_to_debugger() {
@@ -190,8 +210,8 @@ extern "C" fn on_interrupt(signal: i32) {
     if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
         return;
     }
-    if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) {
-        // At the second Ctrl-C the user does not want to wait for files to be closed.
+    if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) || IS_ENDING.load(Ordering::Acquire) {
+        // At the second Ctrl-C, or once all files are closed, there is nothing to wait for.
         exit_after_writing(130);
     }
 }

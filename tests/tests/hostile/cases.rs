@@ -131,6 +131,12 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         &["killed by signal 11", "stack overflow", "segmentation fault"],
     ),
     ("heap", "freed twice", "sinkp = malloc(100); free(sinkp); free(sinkp);", &["aborted by the C library"]),
+    (
+        "heap",
+        "freed twice, with the allocator locked",
+        "{ char *p = malloc(1440); sinkp = malloc(4); free(p); free(p); }",
+        &["aborted by the C library"],
+    ),
     ("heap", "freed wildly", "free((void *)(intptr_t)0x1000);", &["segmentation fault", "aborted"]),
     ("heap", "freed in the middle", "sinkp = malloc(100); free((char *)sinkp + 8);", &["aborted", "none of `malloc`"]),
     (

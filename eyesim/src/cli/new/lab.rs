@@ -10,6 +10,7 @@ use sim_host::files::DiskFiles;
 use sim_host::program::Generation;
 
 use super::{Language, NewArgs, check_name, editor_files, write_folder};
+use crate::cli::output::tell;
 
 /// Writes the folder of `lab` and prints how to run and test its program.
 ///
@@ -38,8 +39,8 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     texts.extend(files_of(&source, lab, extension)?);
     write_folder(&folder, &texts)?;
     let shown = folder.display();
-    println!("wrote `{shown}`: read `README.md`, complete `{lab}.{extension}`, run and test it with\n");
-    println!("    eyesim run {shown}/{lab}.scene.toml\n    eyesim test {shown}\n");
+    tell(format_args!("wrote `{shown}`: read `README.md`, complete `{lab}.{extension}`, run and test it with\n"));
+    tell(format_args!("    eyesim run {shown}/{lab}.scene.toml\n    eyesim test {shown}\n"));
     Ok(ExitCode::SUCCESS)
 }
 

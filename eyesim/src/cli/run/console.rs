@@ -25,8 +25,7 @@ use sim_host::record::{Log, RecordError, Recorded, Report, Sink, TraceFile, Trai
 
 use super::{RunArgs, Speed};
 use crate::cli::diagnostic::{self, Colour, Format};
-use crate::cli::output::say;
-use crate::cli::output::{self, given_outputs};
+use crate::cli::output::{self, given_outputs, print, print_error, say};
 use crate::cli::progress::{Building, Counts, Progress};
 use crate::plot;
 
@@ -87,7 +86,7 @@ pub(in crate::cli) fn report_diagnostics(
 /// Shows diagnostics on standard error.
 fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> {
     let screen = diagnostic::Screen::of_stderr(Colour::Auto);
-    eprint!("{}", diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
+    print_error(&diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
     Ok(())
 }
 
@@ -209,7 +208,7 @@ impl FinishedRun {
         };
         let written = [
             args.report.as_ref().map(|path| match args.prints_report() {
-                true => super::print(&finished.report.to_json()?),
+                true => print(&finished.report.to_json()?),
                 false => Ok(finished.report.write(path)?),
             }),
             args.plot.as_ref().zip(trails.as_ref()).map(plot),

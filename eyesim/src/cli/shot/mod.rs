@@ -15,6 +15,7 @@ use sim_core::device::camera::CameraError;
 use sim_core::record::Outcome;
 use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
+use sim_host::executive::dispatcher::EndReason;
 use sim_host::launch::settings::index_of;
 use sim_host::record::frame::Pixels;
 use sim_host::record::report::write_atomically;
@@ -22,10 +23,9 @@ use sim_host::robios::camera::ImageUnavailable;
 
 use self::display::Caption;
 use self::view::{Content, Shot, ShotCamera};
-use super::EXIT_PROGRAM;
-use super::output::check_outputs;
-use super::output::say;
+use super::output::{check_outputs, print, say};
 use super::run::{self, FinishedRun, RunArgs, carry_out, parse_seconds};
+use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 
 /// Arguments of `eyesim shot`: those of a run, and what the picture shows.
 #[derive(Args)]
@@ -119,6 +119,10 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::from(EXIT_PROGRAM));
     };
     finished_run.write_files(&args.run)?;
+    if matches!(finished_run.finished.ended.end, EndReason::Interrupted) {
+        say(format_args!("interrupted: no picture is written"));
+        return Ok(ExitCode::from(EXIT_INTERRUPTED));
+    }
     let (file, description) = match &subject {
         Subject::Display(robot) => display_picture(&finished_run, *robot, &args)?,
         Subject::View(camera) => view_picture(&finished_run, camera, &args)?,
@@ -138,7 +142,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
         }
     });
     run::explain(&finished_run.finished);
-    run::print(&format!("{}: {description}\n", output.display()))?;
+    print(&format!("{}: {description}\n", output.display()))?;
     let is_failed = finished_run.finished.report.robots.iter().any(|robot| robot.outcome.is_failure());
     Ok(if is_failed { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }

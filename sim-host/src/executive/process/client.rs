@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::process::ExitCode;
 use std::ptr;
-use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicUsize, Ordering};
 use std::{io, thread};
 
 use robios_sys::support::stream;
@@ -71,6 +71,8 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
         protect_host(first.host().cast_signed());
     }
     signal::install_in_child()?;
+    // SAFETY: the handler only sets a flag. A failure means that memory is exhausted, as the next allocation will show.
+    unsafe { libc::pthread_atfork(None, None, Some(on_fork)) };
     let library = library.to_owned();
     let channel = channels.map(0)?;
     start("program", move || Connection::adopt(channel).run_program(&library))?;
@@ -90,6 +92,13 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
 
 /// Exit code of a process that lacks the resources for another task.
 pub const NO_ROOM_FOR_TASK: i32 = 173;
+
+/// This process was forked by the robot's program: the channels are those of its parent.
+static IS_FORKED: AtomicBool = AtomicBool::new(false);
+
+extern "C" fn on_fork() {
+    IS_FORKED.store(true, Ordering::Relaxed);
+}
 
 /// Makes the kernel kill this process when the thread in process `host` that started it ends.
 fn die_with_host(host: u32) -> io::Result<()> {
@@ -122,6 +131,22 @@ impl Connection {
         Box::leak(Box::new(FlowBlock::reporting(report_fault)))
     }
 
+    /// Sends a message of these parts; returns false if it is too long. Async-signal-safe. Ends a process that the program
+    /// has forked: it has no robot, and would answer in its parent's place.
+    fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
+        const WORDS: &[u8] = b"error: a process that a robot program has forked cannot call RoBIOS or print with the C library: it is ended\n";
+        if IS_FORKED.load(Ordering::Relaxed) {
+            let exit_code = match (kind, parts) {
+                (kind::EXITED, [code]) => code.first_chunk().map_or(0, |bytes| i32::from_le_bytes(*bytes)),
+                // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
+                _ => unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) }.min(1) as i32,
+            };
+            // SAFETY: _exit takes no pointer.
+            unsafe { libc::_exit(exit_code) };
+        }
+        self.channel.send(kind, parts)
+    }
+
     /// Binds the calling thread to this connection and to `block`; a thread that was bound to them before must have ended.
     fn adopt_thread(&'static self, block: &'static FlowBlock) {
         self.channel.attach();
@@ -152,7 +177,7 @@ impl Connection {
             // Stopped before `main` began.
             Err(Malformed) => robios_sys::EXIT_STOPPED,
         };
-        self.channel.send(kind::EXITED, &[&code.to_le_bytes()]);
+        self.send(kind::EXITED, &[&code.to_le_bytes()]);
         // Flushes the program's output in the C library's files.
         std::process::exit(0);
     }
@@ -186,7 +211,7 @@ impl Connection {
         let mut returned;
         let mut body = body;
         loop {
-            if !self.channel.send(kind, &[body]) {
+            if !self.send(kind, &[body]) {
                 self.break_off("a call whose arguments are longer than a message can be");
             }
             while !self.channel.wait_for(Turn::Child, None) {}
@@ -202,13 +227,13 @@ impl Connection {
 
     /// Reports to the host that the program cannot be run, and ends the process.
     fn refuse(&self, reason: u32, text: &str) -> ! {
-        self.channel.send(kind::REFUSED, &[&reason.to_le_bytes(), text.as_bytes()]);
+        self.send(kind::REFUSED, &[&reason.to_le_bytes(), text.as_bytes()]);
         std::process::exit(1)
     }
 
     /// Reports to the host why the program cannot continue, and ends the process.
     fn break_off(&self, reason: &str) -> ! {
-        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), reason.len(), [0; 2]), reason.as_bytes()]);
+        self.send(kind::FAULT, &[&fault_header(&Fault::default(), reason.len(), [0; 2]), reason.as_bytes()]);
         std::process::exit(1)
     }
 }
@@ -358,7 +383,7 @@ fn print_unfinished(connection: &Connection, block: &FlowBlock) {
         // The call, without a location.
         let head = [SupportCall::TABLE, SupportCall::unfinished as u32, 0, 0, 0, 0, stream.cast_unsigned(), len as u32];
         let head = head.map(u32::to_le_bytes);
-        connection.channel.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
+        connection.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
         // The answer no longer matters.
         while !connection.channel.wait_for(Turn::Child, None) {}
     }
@@ -369,7 +394,9 @@ fn print_unfinished(connection: &Connection, block: &FlowBlock) {
 fn report_fault(block: &FlowBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
     let connection = unsafe { CONNECTION.get().as_ref() };
-    let Some(connection) = connection.filter(|connection| connection.channel.turn() == Turn::Child) else {
+    let is_of_robot = !IS_FORKED.load(Ordering::Relaxed);
+    let Some(connection) = connection.filter(|connection| is_of_robot && connection.channel.turn() == Turn::Child)
+    else {
         if fault.signal != OVERDUE_SIGNAL {
             signal::default_action(fault.signal);
         }
@@ -388,7 +415,7 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     }
     print_unfinished(connection, block);
     let words = bytes_of(&words[..count]);
-    connection.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
+    connection.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + fault.signal) }
 }
