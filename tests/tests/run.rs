@@ -13,8 +13,8 @@ fn scene(source: &str) -> Scratch {
     scratch
 }
 
-/// Starts a run, sends SIGINT as soon as it has printed a line, and waits for its end.
-fn interrupted(scratch: &Scratch, args: &[&str]) -> Ran {
+/// Starts a run, sends `signal` as soon as it has printed a line, and waits for its end.
+fn interrupted(scratch: &Scratch, args: &[&str], signal: i32) -> Ran {
     let mut all = vec!["run", "scene.sim", "--report", "r.json", "--trace", "t.jsonl"];
     all.extend(args);
     let child = scratch.command(&all).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("eyesim starts");
@@ -24,19 +24,19 @@ fn interrupted(scratch: &Scratch, args: &[&str]) -> Ran {
         std::thread::sleep(Duration::from_millis(5));
     }
     // SAFETY: kill takes no pointer; the child has not been waited for, so its process id is still valid.
-    unsafe { libc::kill(i32::try_from(child.id()).expect("a process number"), libc::SIGINT) };
+    unsafe { libc::kill(i32::try_from(child.id()).expect("a process number"), signal) };
     Ran::from(child.wait_with_output().expect("eyesim ends"))
 }
 
 #[test]
 fn ctrl_c_ends_the_run_with_table_report_and_trace() {
-    for (source, args) in [
-        ("puts(\"ready\"); for (;;) OSWait(10);", &["--until", "1e9"][..]),
-        ("puts(\"ready\"); OSWait(10000); return 0;", &["--speed", "1"][..]),
-        ("puts(\"ready\"); OSWait(5); for (;;);", &["--timeout", "1000"][..]),
+    for (source, args, signal) in [
+        ("puts(\"ready\"); for (;;) OSWait(10);", &["--until", "1e9"][..], libc::SIGINT),
+        ("puts(\"ready\"); OSWait(10000); return 0;", &["--speed", "1"][..], libc::SIGHUP),
+        ("puts(\"ready\"); OSWait(5); for (;;);", &["--timeout", "1000"][..], libc::SIGTERM),
     ] {
         let scratch = scene(source);
-        let ran = interrupted(&scratch, args);
+        let ran = interrupted(&scratch, args, signal);
         assert_eq!(ran.code, Some(130), "{source}: {ran:#?}");
         assert!(ran.stdout.contains("digest"), "{source}: the table is there: {ran:#?}");
         assert!(scratch.read("r.json").contains("\"outcome\""), "{source}");
@@ -56,6 +56,14 @@ fn outputs_do_not_overwrite_inputs_or_each_other() {
     }
     let ran = scratch.eyesim(&["run", "scene.sim", "--report", "x", "--trace", "x"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
+    // Two names of one file.
+    std::fs::hard_link(scratch.path().join("prog.c"), scratch.path().join("link.c")).expect("a link");
+    std::os::unix::fs::symlink("r.json", scratch.path().join("later")).expect("a link");
+    for outputs in [["--trace", "link.c", "--report", "r.json"], ["--trace", "later", "--report", "r.json"]] {
+        let ran = scratch.eyesim(&[&["run", "scene.sim"], &outputs[..]].concat());
+        assert_eq!(ran.code, Some(2), "{ran:#?}");
+        assert!(ran.stderr.contains("would overwrite"), "{ran:#?}");
+    }
     let ran = scratch.eyesim(&["run", "scene.sim", "--plot", "missing/p.svg"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("no folder `missing`"), "{ran:#?}");
@@ -80,10 +88,57 @@ fn a_closed_output_pipe_is_not_an_error() {
 }
 
 #[test]
+fn full_standard_streams_lose_no_file() {
+    let scratch = scene("int i; for (i = 0; i < 100; i++) { puts(\"line\"); OSWait(1); } return 0;");
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
+    let outputs = ["--report", "r.json", "--plot", "p.svg"];
+    for (args, is_stdout, code) in [(&["run", "scene.sim"][..], true, 2), (&["run", "scene.sim", "-v"][..], false, 0)] {
+        let mut command = scratch.command(&[args, &outputs].concat());
+        let command = if is_stdout { command.stdout(full()) } else { command.stderr(full()) };
+        assert_eq!(command.output().expect("it runs").status.code(), Some(code), "{args:?}");
+        assert!(scratch.read("r.json").contains("finished") && scratch.read("p.svg").contains("</svg>"), "{args:?}");
+    }
+    let mut command = scratch.command(&["new", "maze"]);
+    assert_eq!(command.stdout(full()).output().expect("it runs").status.code(), Some(2));
+    assert!(scratch.read("maze/maze.sim").contains("maze"));
+}
+
+#[test]
+fn the_working_folder_is_the_programs_own() {
+    let scratch = scene("chdir(\"/\"); OSWait(100); return 0;");
+    let source = scratch.read("prog.c");
+    scratch.write("prog.c", &format!("#include <unistd.h>\n{source}"));
+    let report = scratch.report("scene.sim", &["--trace", "t.jsonl"], 0);
+    assert_eq!(report["robots"][0]["outcome"], "finished");
+    assert_eq!(scratch.trace("t.jsonl").last().expect("lines")["event"], "end");
+}
+
+#[test]
+fn processes_that_a_program_forks_have_no_robot() {
+    let body = "if (fork() == 0) { OSWait(10); VWSetSpeed(VWInit(VW_DRIVE, 1), 1, 0); for (;;) OSWait(10); }\n\
+                int status; if (fork() == 0) _exit(3); wait(&status); OSWait(100); printf(\"child %d\\n\", WEXITSTATUS(status)); return 0;";
+    let scratch = scene(body);
+    let source = scratch.read("prog.c");
+    scratch.write("prog.c", &format!("#include <unistd.h>\n#include <sys/wait.h>\n{source}"));
+    scratch.write(
+        "fork.py",
+        "from eye import *\nimport os\nif os.fork() == 0:\n    VWSetSpeed(100, 0)\n    OSWait(5000)\nOSWait(100)\n",
+    );
+    let ran = scratch.eyesim(&["run", "scene.sim", "--report", "r.json"]);
+    assert!(ran.stdout.contains("child 3") && ran.stderr.contains("forked"), "{ran:#?}");
+    let report = scratch.report("scene.sim", &[], 0);
+    assert_eq!(report["robots"][0]["distance_m"], 0.0, "{report:#}");
+    let ran = scratch.eyesim(&["run", "scene.sim", "--program", "1=fork.py", "--report", "r.json"]);
+    assert!(ran.code == Some(0) && ran.stderr.contains("forked"), "{ran:#?}");
+}
+
+#[test]
 fn wrong_arguments_are_named_with_what_is_accepted() {
     let scratch = scene("return 0;");
     for (args, expected) in [
         (&["--slot", "-1"][..], "0.001"),
+        (&["--slot", "0.0015"][..], "multiple of 0.001"),
+        (&["--threads", "30000"][..], "1 to 1024"),
         (&["--until", "nan"][..], "seconds"),
         (&["--speed", "0"][..], "max"),
         (&["--args", "9:x"][..], "robot 1 alone"),

@@ -100,11 +100,12 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
     }
     for (option, path) in outputs {
         let path_text = path.display();
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let target = link_target(path);
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = std::fs::canonicalize(folder)
             .with_context(|| format!("{option} `{path_text}`: there is no folder `{}`", folder.display()))?;
         let canonical =
-            std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+            std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(target.file_name().unwrap_or_default()));
         if canonical.is_dir() {
             bail!("{option} `{path_text}` is a folder, expected a file");
         }
@@ -112,12 +113,26 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
         if canonical.starts_with("/dev") {
             continue;
         }
-        if let Some((owner, _)) = seen_files.iter().find(|(_, other)| *other == canonical) {
+        if let Some((owner, _)) = seen_files.iter().find(|(_, other)| is_same_file(other, &canonical)) {
             bail!("{option} `{path_text}` would overwrite {owner}");
         }
         seen_files.push((format!("what {option} writes"), canonical));
     }
     Ok(())
+}
+
+/// The file that would be created through `path`: the target of a symbolic link to nothing, otherwise `path`.
+fn link_target(path: &Path) -> PathBuf {
+    match std::fs::read_link(path) {
+        Ok(target) if !path.exists() => path.parent().unwrap_or(Path::new("")).join(target),
+        _ => path.to_owned(),
+    }
+}
+
+/// Returns true if both canonical paths name one file, possibly by two hard links.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let identity = |path: &Path| std::fs::metadata(path).map(|metadata| (metadata.dev(), metadata.ino())).ok();
+    a == b || identity(a).is_some_and(|file| identity(b) == Some(file))
 }
 
 /// Options that the user has given, with their files.
