@@ -127,7 +127,7 @@ fn processes_that_a_program_forks_have_no_robot() {
     let ran = scratch.eyesim(&["run", "scene.sim", "--report", "r.json"]);
     assert!(ran.stdout.contains("child 3") && ran.stderr.contains("forked"), "{ran:#?}");
     let report = scratch.report("scene.sim", &[], 0);
-    assert_eq!(report["robots"][0]["distance_m"], 0.0, "{report:#}");
+    assert_eq!(report["robots"][0]["path_m"], 0.0, "{report:#}");
     let ran = scratch.eyesim(&["run", "scene.sim", "--program", "1=fork.py", "--report", "r.json"]);
     assert!(ran.code == Some(0) && ran.stderr.contains("forked"), "{ran:#?}");
 }
