@@ -184,12 +184,18 @@ impl<'a> Compilation<'a> {
         let hidden = self.hidden_headers();
         let first_attempt = self.try_run(&CompileVariant { hidden: &hidden, ..CompileVariant::default() });
         let result = match first_attempt {
-            Err(Failure::Refused { source_file, output }) => self
-                .other_variants(&hidden, &output)
-                .iter()
-                .map(|variant| self.try_run(variant))
-                .find(|result| !matches!(result, Err(Failure::Refused { .. })))
-                .unwrap_or(Err(Failure::Refused { source_file, output })),
+            Err(Failure::Refused { source_file, output }) => {
+                let variants = self.other_variants(&hidden, &output);
+                let attempts = variants.iter().map(|variant| (variant, self.try_run(variant)));
+                match attempts.skip_while(|(_, result)| matches!(result, Err(Failure::Refused { .. }))).next() {
+                    Some((variant, Ok(mut compiled))) if variant.hidden.len() < hidden.len() => {
+                        compiled.output.insert_str(0, &self.remark_on_own_headers(&hidden, &source_file, &output));
+                        Ok(compiled)
+                    }
+                    Some((_, result)) => result,
+                    None => Err(Failure::Refused { source_file, output }),
+                }
+            }
             result => result,
         };
         let program = self.sources.first().cloned().unwrap_or_default();
@@ -206,6 +212,20 @@ impl<'a> Compilation<'a> {
             }
             Failure::Io(error) => CompileError::Io { program, error },
         })
+    }
+
+    /// Message about headers of the program that are used instead of ours, with the compiler's `refusal` of ours: one line.
+    fn remark_on_own_headers(&self, headers: &[PathBuf], source: &Path, refusal: &str) -> String {
+        let names = headers.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
+        let text = fs::read(source).unwrap_or_default();
+        let name = self.name_in_source_folder(source).display().to_string();
+        let words = in_plain_words(refusal, (&name, &String::from_utf8_lossy(&text)));
+        let reason = words.lines().next().or_else(|| refusal.lines().find(|line| line.contains("error: ")));
+        format!(
+            "{} beside the program is used, and may differ from the functions that run, since eyesim's does not fit: {}\n",
+            hint::quoted(&names.collect::<Vec<_>>()),
+            reason.unwrap_or_default()
+        )
     }
 
     /// Further variants to try after the compiler has refused a source with the message `output`.

@@ -221,6 +221,11 @@ fn headers_of_another_year_beside_a_program_give_way() {
     let (_, ran) = run(&files, "a.c", &[]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     assert!(!ran.stderr.contains("RoBIOS's own"), "{ran:#?}");
+    // A header whose functions take other values than ours is used with a warning.
+    let header = "int VWDriveStraight(int distance, int speed);\nint VWDriveWait(void);\n";
+    let program = "#include \"eyebot.h\"\nint main(void) { VWDriveStraight(300, 100); VWDriveWait(); return 0; }\n";
+    let (_, ran) = run(&[("a.c", program), ("eyebot.h", header)], "a.c", &[]);
+    assert!(ran.stderr.contains("`eyebot.h` beside the program is used, and may differ"), "{ran:#?}");
 }
 
 #[test]
