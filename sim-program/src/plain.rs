@@ -385,7 +385,12 @@ impl Message<'_> {
             }
             text if text.contains("used after 'free'") || text.contains("-Wuse-after-free") => {
                 let name = self.quoted(0)?;
-                Some(format!("`{name}` is used, or given to `free` again, after `free({name})`"))
+                // Without a name, the first quoted text is the function that frees.
+                match (name.contains("operator delete"), name == "free") {
+                    (true, _) => Some("memory is used, or deleted again, after its `delete`".to_owned()),
+                    (_, true) => Some("memory is used, or given to `free` again, after its `free`".to_owned()),
+                    _ => Some(format!("`{name}` is used, or given to `free` again, after `free({name})`")),
+                }
             }
             text if text.contains("uninitialized") && self.is_declared_as_pointer() => Some(self.pointer_without_value(self.quoted(0)?)),
             text if text.contains("uninitialized") => {
@@ -1440,6 +1445,10 @@ mod tests {
                 "the `if` covers only one statement: write `{ }` around all that belong to it",
             ),
             ("infinite recursion detected [-Winfinite-recursion]", RECURSION),
+            (
+                "pointer used after 'void operator delete [](void*)' [-Wuse-after-free]",
+                "memory is used, or deleted again, after its `delete`",
+            ),
             (
                 "conversion from 'double' to 'int' changes value from '2.9999999999999999e-1' to '0' [-Wfloat-conversion]",
                 "0.3 becomes 0 here: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`",
