@@ -11,15 +11,16 @@ use sim_host::record::log::Printable;
 /// First error of [`tell`] that nobody has taken yet.
 static FAILURE: Mutex<Option<io::Error>> = Mutex::new(None);
 
-/// Prints a line on standard output. An error is kept for [`take_failure`], so that a command still writes its files; a
-/// closed pipe (`| head`) is no error.
+/// Prints a line on standard output, as [`put`] does.
 pub fn tell(line: impl std::fmt::Display) {
-    put(format!("{line}\n").as_bytes());
+    put(&format!("{line}\n"));
 }
 
-fn put(bytes: &[u8]) {
+/// Prints text on standard output. An error is kept for [`take_failure`], so that a command still writes its files; a
+/// closed pipe (`| head`) is no error.
+pub fn put(text: &str) {
     let mut out = io::stdout().lock();
-    if let Err(error) = out.write_all(bytes).and_then(|()| out.flush())
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
         && error.kind() != ErrorKind::BrokenPipe
     {
         FAILURE.lock().get_or_insert(error);
@@ -31,7 +32,7 @@ fn put(bytes: &[u8]) {
 /// # Errors
 /// Standard output cannot be written to.
 pub fn print(text: &str) -> anyhow::Result<()> {
-    put(text.as_bytes());
+    put(text);
     take_failure()
 }
 

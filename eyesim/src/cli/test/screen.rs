@@ -1,6 +1,6 @@
 //! Output of `eyesim test`: progress, failures and a short summary, like pytest's.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -11,6 +11,7 @@ use sim_host::record::log::Printable;
 
 use super::{SuiteRun, picture};
 use crate::cli::diagnostic::{Colour, Screen};
+use crate::cli::output::put;
 use crate::suite::summary::{Rate, Variant};
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
@@ -153,9 +154,7 @@ impl Console {
 
     fn flush(&mut self) {
         self.last_flush = Instant::now();
-        let mut out = std::io::stdout().lock();
-        // A closed pipe (`| head`) is not an error.
-        _ = out.write_all(self.text.as_bytes()).and_then(|()| out.flush());
+        put(&self.text);
         self.text.clear();
     }
 
