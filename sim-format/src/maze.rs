@@ -215,7 +215,7 @@ fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<Siz
         }
     }
     sizes.iter_mut().for_each(|size| size.is_last = size.rows_above == rows.len());
-    let is_border = |line: &Line<'_>| line.text.chars().all(|c| matches!(c, '_' | ' ' | '\t'));
+    let is_border = |line: &Line<'_>| drawing_characters(line).all(|(_, c, _)| matches!(c, '_' | ' ' | '\t'));
     match rows.first() {
         None => {
             let message = "the file has no maze";

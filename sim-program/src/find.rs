@@ -479,12 +479,12 @@ fn in_other_case(path: &Path) -> Option<PathBuf> {
             found.push(entry.file_name()?);
             continue;
         }
-        let is_last = components.peek().is_none();
+        let is_replaceable = components.peek().is_none() && !replacement_paths(wanted).is_empty();
         let stem = wanted.file_stem()?;
         let is_replacement = |entry: &&PathBuf| {
             looks_like_program(entry) && entry.file_stem().is_some_and(|name| name.eq_ignore_ascii_case(stem))
         };
-        let mut replacements = entries.iter().filter(is_replacement).filter(|_| is_last);
+        let mut replacements = entries.iter().filter(is_replacement).filter(|_| is_replaceable);
         // A source before a library, which may be older.
         let replacement =
             replacements.clone().find(|entry| Language::of(entry).is_some()).or_else(|| replacements.next());
