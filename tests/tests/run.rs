@@ -89,7 +89,7 @@ fn a_closed_output_pipe_is_not_an_error() {
 
 #[test]
 fn full_standard_streams_lose_no_file() {
-    let scratch = scene("int i; for (i = 0; i < 100; i++) { puts(\"line\"); OSWait(1); } return 0;");
+    let scratch = scene("OSWait(100); return 0;");
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
     let outputs = ["--report", "r.json", "--plot", "p.svg"];
     for (args, is_stdout, code) in [(&["run", "scene.sim"][..], true, 2), (&["run", "scene.sim", "-v"][..], false, 0)] {
@@ -116,7 +116,7 @@ fn the_working_folder_is_the_programs_own() {
 #[test]
 fn processes_that_a_program_forks_have_no_robot() {
     let body = "if (fork() == 0) { OSWait(10); VWSetSpeed(VWInit(VW_DRIVE, 1), 1, 0); for (;;) OSWait(10); }\n\
-                int status; if (fork() == 0) _exit(3); wait(&status); OSWait(100); printf(\"child %d\\n\", WEXITSTATUS(status)); return 0;";
+                int status; pid_t child = fork(); if (child == 0) _exit(3); waitpid(child, &status, 0); OSWait(100); printf(\"child %d\\n\", WEXITSTATUS(status)); return 0;";
     let scratch = scene(body);
     let source = scratch.read("prog.c");
     scratch.write("prog.c", &format!("#include <unistd.h>\n#include <sys/wait.h>\n{source}"));

@@ -134,7 +134,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     (
         "heap",
         "freed twice, with the allocator locked",
-        "{ char *p = malloc(1440); sinkp = malloc(4); free(p); free(p); }",
+        "{ char *p = sinkp = malloc(1440); sinkp = malloc(4); free(p); free(p); }",
         &["aborted by the C library"],
     ),
     ("heap", "freed wildly", "free((void *)(intptr_t)0x1000);", &["segmentation fault", "aborted"]),
