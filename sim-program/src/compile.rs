@@ -186,8 +186,8 @@ impl<'a> Compilation<'a> {
         let result = match first_attempt {
             Err(Failure::Refused { source_file, output }) => {
                 let variants = self.other_variants(&hidden, &output);
-                let attempts = variants.iter().map(|variant| (variant, self.try_run(variant)));
-                match attempts.skip_while(|(_, result)| matches!(result, Err(Failure::Refused { .. }))).next() {
+                let mut attempts = variants.iter().map(|variant| (variant, self.try_run(variant)));
+                match attempts.find(|(_, result)| !matches!(result, Err(Failure::Refused { .. }))) {
                     Some((variant, Ok(mut compiled))) if variant.hidden.len() < hidden.len() => {
                         compiled.output.insert_str(0, &self.remark_on_own_headers(&hidden, &source_file, &output));
                         Ok(compiled)
