@@ -426,15 +426,15 @@ fn replacement_paths(path: &Path) -> Vec<PathBuf> {
 /// The sources from which the `Makefile` beside the program `path` builds it, as in `maze.x: main.c map.o`; `None` if
 /// there is no such file or rule, or a source does not exist. Variables are replaced, patterns and functions are not.
 fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
-    /// Larger files are not written by hand.
-    const MAX_BYTES: u64 = 1 << 20;
+    /// Larger files and rules are not written by hand.
+    const MAX_BYTES: usize = 1 << 20;
     if replacement_paths(path).is_empty() {
         return None;
     }
     let (folder, target) = (path.parent()?, path.file_name()?.to_str()?);
     let mut text = String::new();
     let file = ["Makefile", "makefile"].iter().find_map(|name| open_regular(&folder.join(name)).ok())?;
-    file.take(MAX_BYTES).read_to_string(&mut text).ok()?;
+    file.take(MAX_BYTES as u64).read_to_string(&mut text).ok()?;
     let text = text.replace("\\\n", " ");
     let variables: Vec<(&str, &str)> = text
         .lines()
@@ -448,6 +448,9 @@ fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
     let mut sources = rule.split('#').next()?.to_owned();
     for (name, value) in &variables {
         sources = sources.replace(&format!("$({name})"), value).replace(&format!("${{{name}}}"), value);
+        if sources.len() > MAX_BYTES {
+            return None;
+        }
     }
     let source = |name: &str| {
         let path = tidy(&folder.join(name));

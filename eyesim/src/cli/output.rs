@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use parking_lot::Mutex;
 use sim_host::record::log::Printable;
 
-/// First error of [`tell`] that nobody has taken yet.
+/// First error of [`put`] that nobody has taken yet.
 static FAILURE: Mutex<Option<io::Error>> = Mutex::new(None);
 
 /// Prints a line on standard output, as [`put`] does.
@@ -36,7 +36,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     take_failure()
 }
 
-/// Reports an error of [`tell`] once.
+/// Reports an error of [`put`] once.
 ///
 /// # Errors
 /// Standard output could not be written to.

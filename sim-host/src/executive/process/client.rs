@@ -136,13 +136,15 @@ impl Connection {
     fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
         const WORDS: &[u8] = b"error: a process that a robot program has forked cannot call RoBIOS or print with the C library: it is ended\n";
         if IS_FORKED.load(Ordering::Relaxed) {
-            let exit_code = match (kind, parts) {
-                (kind::EXITED, [code]) => code.first_chunk().map_or(0, |bytes| i32::from_le_bytes(*bytes)),
-                // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.
-                _ => unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) }.min(1) as i32,
-            };
-            // SAFETY: _exit takes no pointer.
-            unsafe { libc::_exit(exit_code) };
+            if let (kind::EXITED, [code]) = (kind, parts) {
+                // SAFETY: _exit takes no pointer.
+                unsafe { libc::_exit(code.first_chunk().map_or(0, |bytes| i32::from_le_bytes(*bytes))) };
+            }
+            // SAFETY: both calls are async-signal-safe; `WORDS` has as many bytes as are given.
+            unsafe {
+                libc::write(2, WORDS.as_ptr().cast(), WORDS.len());
+                libc::_exit(1)
+            }
         }
         self.channel.send(kind, parts)
     }
