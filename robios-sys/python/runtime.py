@@ -1769,8 +1769,14 @@ def _advice(error, trace):
         return f"what stands before `.{str(error).split(chr(39))[3]}` is None: test it with `if ... is not None:` first"
     if isinstance(error, TypeError) and "can only concatenate str" in str(error):
         return "`+` joins only texts: write `str(...)` around the number"
+    if isinstance(error, ModuleNotFoundError) and error.name and _sys.executable:
+        module = error.name.split(".")[0]
+        return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
     return _missing_import(error, trace)
 
+
+# Names of packages that differ from those of their modules.
+_PACKAGES = {"cv2": "opencv-python-headless", "PIL": "Pillow", "sklearn": "scikit-learn", "skimage": "scikit-image", "yaml": "PyYAML"}
 
 # Words at the start of statements.
 _STATEMENT_WORDS = ("while", "for", "if", "elif", "else", "def", "return", "import", "from", "class", "try", "except", "with", "break")

@@ -1288,6 +1288,13 @@ static int refused(const char *name)
     return -1;
 }
 
+static int refused_timer(const char *name)
+{
+    libc_fprintf(stderr, "%s is not available to robot programs: OSAttachTimer calls a function at intervals\n", name);
+    errno = ENOSYS;
+    return -1;
+}
+
 LIBC(time_t, time, (time_t *to))
 {
     time_t now = (time_t)(CALENDAR_START + now_us() / MILLION);
@@ -1448,19 +1455,19 @@ LIBC(int, __poll_chk, (struct pollfd * descriptors, nfds_t count, int span_ms, s
 LIBC(unsigned, alarm, (unsigned seconds))
 {
     (void)seconds;
-    refused("alarm");
+    refused_timer("alarm");
     return 0;
 }
 LIBC(useconds_t, ualarm, (useconds_t first, useconds_t next))
 {
     (void)first, (void)next;
-    refused("ualarm");
+    refused_timer("ualarm");
     return 0;
 }
 LIBC(int, setitimer, (int which, const struct itimerval *to, struct itimerval *old))
 {
     (void)which, (void)to, (void)old;
-    return refused("setitimer");
+    return refused_timer("setitimer");
 }
 LIBC(int, clock_settime, (clockid_t id, const struct timespec *to))
 {
@@ -1475,7 +1482,7 @@ LIBC(int, settimeofday, (const struct timeval *to, const void *zone))
 LIBC(int, timer_create, (clockid_t id, void *event, void *timer))
 {
     (void)id, (void)event, (void)timer;
-    return refused("timer_create");
+    return refused_timer("timer_create");
 }
 
 /* ---- functions with a state or result that all copies of a library would share; local time is UTC ---- */

@@ -416,7 +416,10 @@ int main(void)
 }"#);
     assert_eq!(code, 0);
     assert!((4_300_000..4_300_100).contains(&robot.now_us.get()), "{} us", robot.now_us.get());
-    assert_eq!(robot.err.borrow().concat(), "alarm is not available to robot programs\n");
+    assert_eq!(
+        robot.err.borrow().concat(),
+        "alarm is not available to robot programs: OSAttachTimer calls a function at intervals\n"
+    );
 }
 
 #[test]

@@ -25,13 +25,45 @@ const ABSENT_HEADERS: &[(&[&str], &str)] = &[
     ),
 ];
 
+/// Headers of RoBIOS 6 itself that its programs may name; our `eyebot.h` contains what they declare.
+const ROBIOS_PARTS: [&str; 14] = [
+    "cam.h",
+    "hdt.h",
+    "improc.h",
+    "irtv.h",
+    "kern.h",
+    "key.h",
+    "keys.h",
+    "lcd.h",
+    "librobi.h",
+    "motors.h",
+    "psd.h",
+    "rob.h",
+    "sensors.h",
+    "vw.h",
+];
+
+/// Headers of C++ before its standard of 1998, without their extension.
+const OLD_CPP_HEADERS: [&str; 5] = ["fstream", "iomanip", "iostream", "istream", "ostream"];
+
 /// Symbols of the library curses; almost every program for curses uses one of them.
 const CURSES_FUNCTIONS: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
 /// Functions of other systems, with their replacements in robot programs.
 const FOREIGN_FUNCTIONS: &[(&[&str], &str)] = &[
     (&["Sleep"], "is a function of Windows: `OSWait(ms)` waits"),
-    (&["delay"], "is a function of Arduino: `OSWait(ms)` waits"),
+    (&["delay"], "is a function of Arduino and Borland C: `OSWait(ms)` waits"),
+    (&["clrscr"], "is a function of Borland C: `LCDClear()` clears the display"),
+    (&["getch", "getche"], "is a function of Borland C: `KEYGet()` waits for a key of the robot"),
+    (&["kbhit"], "is a function of Borland C: `KEYRead()` returns the key that is pressed, or 0"),
+    (&["gotoxy"], "is a function of Borland C: `LCDSetPos(row, column)` sets the place of the next text"),
+    (&["cprintf"], "is a function of Borland C: `LCDPrintf` writes to the display"),
+    (&["itoa"], "is not in every C library: `sprintf(text, \"%d\", number)` does the same"),
+    (
+        &["digitalWrite", "analogWrite"],
+        "is a function of Arduino: `MOTORDrive` and `SERVOSet` set outputs of the robot",
+    ),
+    (&["digitalRead", "analogRead"], "is a function of Arduino: `PSDGet` and `DIGITALRead` read inputs of the robot"),
     (&["GetTickCount"], "is a function of Windows: `OSGetCount` tells the time in ms"),
 ];
 
@@ -55,6 +87,12 @@ fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
     if let Some((_, instead)) = ABSENT_HEADERS.iter().find(|(headers, _)| headers.contains(&missing)) {
         Some(format!(": `{missing}`: {instead}"))
+    } else if ROBIOS_PARTS.contains(&name.to_lowercase().as_str()) {
+        Some(format!(": `{missing}` is a part of RoBIOS: remove the line, since `eyebot.h` contains it"))
+    } else if let Some(new) = name.strip_suffix(".h").filter(|new| OLD_CPP_HEADERS.contains(new)) {
+        Some(format!(
+            ": `{missing}` is older than standard C++: write `#include <{new}>` and below it `using namespace std;`"
+        ))
     } else if let Some(similar) = similar_header(name) {
         Some(format!(": there is no `{missing}`: write `#include \"{similar}\"`"))
     } else if Language::of(source) == Some(Language::C) && !missing.contains(['.', '/']) {
@@ -272,12 +310,12 @@ fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generat
         let foreign = FOREIGN_FUNCTIONS.iter().find(|(names, _)| names.contains(&name.as_str()));
         let explanation = if generation.has_function(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
+        } else if let Some((_, explanation)) = foreign {
+            (*explanation).to_owned()
         } else if let Some(similar) =
             nearest(defined.iter().copied(), name).or_else(|| similar_function(name, generation))
         {
             format!("is not defined; did you mean `{similar}`?")
-        } else if let Some((_, explanation)) = foreign {
-            (*explanation).to_owned()
         } else {
             "is used and nowhere defined: write it; a program of several files is named with all of them \
              (`main.c,map.c`) or by its folder"
@@ -418,9 +456,18 @@ mod tests {
             let expected = format!("a.c: there is no `{missing}`: write `#include \"eyebot.h\"`\n");
             assert_eq!(source_hints(&output, "a.c", b""), expected);
         }
+        let old = source_hints("a.cpp:1:10: fatal error: iostream.h: No such file or directory\n", "a.cpp", b"");
+        assert!(
+            old.starts_with("a.cpp: `iostream.h` is older than standard C++: write `#include <iostream>`"),
+            "{old}"
+        );
+        let part = source_hints("a.c:1:10: fatal error: lcd.h: No such file or directory\n", "a.c", b"");
+        assert!(part.starts_with("a.c: `lcd.h` is a part of RoBIOS: remove the line"), "{part}");
         assert_eq!(source_hints("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");
         let unlinked = link_hints("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
+        let borland = link_hints("undefined reference to `getch'", &[], Generation::Robios7);
+        assert!(borland.contains("`getch` is a function of Borland C: `KEYGet()` waits"), "{borland}");
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub struct DebugArgs {
     #[arg(short, long = "break", value_name = "PLACE")]
     pub breakpoints: Vec<String>,
     /// Seed of all random numbers, as of `eyesim run`
-    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
+    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Simulated seconds at which the run ends, as of `eyesim run`
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]

@@ -39,7 +39,7 @@ pub struct PackArgs {
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
     /// Seed of all random numbers [default: from the scene, or 0]
-    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
+    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number, allow_negative_numbers = true)]
     pub seed: Option<u64>,
 }
 

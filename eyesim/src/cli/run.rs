@@ -76,7 +76,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "FOLDER")]
     pub frames: Option<PathBuf>,
     /// Seed of all random numbers [default: from the scene, or 0]
-    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
+    #[arg(long, value_name = "NUMBER", value_parser = super::whole_number, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Length of a time slot in milliseconds, a multiple of 0.001 [default: from the scene, or 50]
     #[arg(long, value_name = "MS", value_parser = parse_slot, allow_hyphen_values = true)]

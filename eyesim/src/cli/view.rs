@@ -52,7 +52,7 @@ pub struct ViewArgs {
     #[arg(long)]
     no_open: bool,
     /// Port of the pages, 0 for any free port [default: 7351, or any free port if 7351 is in use]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     port: Option<u16>,
     /// For a class: allow others to watch over the network, at this address of this machine (0.0.0.0: all), optionally
     /// with a port: `0.0.0.0:7412`

@@ -37,7 +37,7 @@ pub struct ShotArgs {
     #[arg(long, value_name = "ROBOT", num_args = 0..=1, default_missing_value = "1", value_parser = parse_robot)]
     lcd: Option<u32>,
     /// Simulated seconds at which the picture is taken [default: at the run's end]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, conflicts_with = "until")]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true, conflicts_with = "until")]
     at: Option<Time>,
     /// Look from this point of the world, in millimetres as in a sim file, z upwards
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "to", conflicts_with = "lcd")]
@@ -46,7 +46,7 @@ pub struct ShotArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "from")]
     to: Option<DVec3>,
     /// Angle that the picture's width covers, in degrees, with --from [default: 60]
-    #[arg(long, value_name = "DEGREES", value_parser = parse_fov, requires = "from")]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_fov, allow_negative_numbers = true, requires = "from")]
     fov: Option<f64>,
     /// Pixels of the picture [default: as the program has set the camera, or 320x240; with --from 640x480]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "lcd")]
