@@ -528,6 +528,22 @@ impl CompileVariant<'_> {
     }
 }
 
+/// The first lines of a compiler's messages: a file that is no text causes thousands.
+fn beginning(messages: &str) -> String {
+    const MAX_BYTES: usize = 32 << 10;
+    let mut len = 0;
+    let kept = messages.split_inclusive('\n').take_while(|line| {
+        len += line.len();
+        len <= MAX_BYTES
+    });
+    let mut text: String = kept.collect();
+    let rest_count = messages[text.len()..].lines().count();
+    if rest_count > 0 {
+        text.push_str(&format!("... and {rest_count} more lines of the compiler\n"));
+    }
+    text
+}
+
 enum Failure {
     Refused { source_file: PathBuf, output: String },
     Unlinked { output: String },
@@ -563,7 +579,7 @@ impl Compiled {
             }
             output => output?,
         };
-        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+        let messages = beginning(&String::from_utf8_lossy(&output.stderr));
         Ok(match output.status.success() {
             true => Ok(messages),
             false if messages.trim().is_empty() => Err(format!("the compiler ended with {}", output.status)),
@@ -633,6 +649,15 @@ fn parse_dependencies(text: &str) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn many_messages_are_cut() {
+        let few = "a.c:1: error\n".repeat(100);
+        assert_eq!(beginning(&few), few);
+        let many = beginning(&"a.c:1: error\n".repeat(10_000));
+        assert!(many.len() < 40_000 && many.ends_with("more lines of the compiler\n"), "{}", many.len());
+        assert_eq!(beginning(&"x".repeat(100_000)), "... and 1 more lines of the compiler\n");
+    }
 
     #[test]
     fn escapes_in_dependency_lists_are_decoded() {

@@ -1,5 +1,6 @@
 //! Steps of a run from the command line: open, build, start, advance, finish, with the output for the user.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,7 +10,7 @@ use anyhow::{Context, bail};
 use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
-use sim_format::{Diagnostic, InputFile};
+use sim_format::{Code, Diagnostic, InputFile};
 use sim_host::executive::pace::Pace;
 use sim_host::executive::program::Exec;
 use sim_host::executive::run::Run;
@@ -83,10 +84,24 @@ pub(in crate::cli) fn report_diagnostics(
     Ok(())
 }
 
-/// Shows diagnostics on standard error.
+/// Shows diagnostics on standard error, the first of each kind in each file.
 fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> {
+    /// Maximum number of one kind in one file.
+    const MAX_ALIKE: usize = 20;
+    let mut counts: BTreeMap<(&str, Code), usize> = BTreeMap::new();
+    let mut shown: Vec<Diagnostic> = Vec::new();
+    for diagnostic in diagnostics {
+        let count = counts.entry((&diagnostic.file, diagnostic.code)).or_default();
+        *count += 1;
+        if *count <= MAX_ALIKE {
+            shown.push(diagnostic.clone());
+        }
+    }
     let screen = diagnostic::Screen::of_stderr(Colour::Auto);
-    print_error(&diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
+    print_error(&diagnostic::render(&shown, inputs, Format::Auto, screen)?);
+    for ((file, code), count) in counts.into_iter().filter(|(_, count)| *count > MAX_ALIKE) {
+        say(format_args!("{file}: {} more of {}: `eyesim check` lists them", count - MAX_ALIKE, code.name()));
+    }
     Ok(())
 }
 
