@@ -67,6 +67,10 @@ fn outputs_do_not_overwrite_inputs_or_each_other() {
     let ran = scratch.eyesim(&["run", "scene.sim", "--plot", "missing/p.svg"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("no folder `missing`"), "{ran:#?}");
+    let ran = scratch.eyesim(&["run", "scene.sim", "--report", "/proc/r.json", "--trace", "new.jsonl"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("--report `/proc/r.json` cannot be written"), "{ran:#?}");
+    assert!(!scratch.path().join("new.jsonl").exists(), "the run has not begun");
 }
 
 #[test]

@@ -12,6 +12,7 @@ use accuracy::figure::Figure;
 use accuracy::study::{Effort, Outcome, Row, STUDIES, Study};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
+use sim_host::files::read_regular;
 use sim_host::record::report::write_atomically;
 
 use super::output::check_outputs;
@@ -175,7 +176,8 @@ const END: &str = "<!-- end -->";
 
 impl MarkdownPage {
     fn read(path: &Path) -> anyhow::Result<Self> {
-        let text = fs::read_to_string(path).with_context(|| format!("--page `{}`", path.display()))?;
+        let bytes = read_regular(path).with_context(|| format!("--page `{}`", path.display()))?;
+        let text = String::from_utf8(bytes).with_context(|| format!("--page `{}`", path.display()))?;
         Ok(Self { path: path.to_owned(), text })
     }
 

@@ -86,7 +86,8 @@ impl StandardStreams {
     }
 }
 
-/// Checks that the files to be written lie in existing folders, and overwrite neither an input nor each other.
+/// Checks that the files to be written lie in existing folders, can be written, and overwrite neither an input nor each
+/// other.
 ///
 /// `outputs` are options with their file names; `inputs` are the files that are read.
 ///
@@ -117,9 +118,20 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
         if let Some((owner, _)) = seen_files.iter().find(|(_, other)| is_same_file(other, &canonical)) {
             bail!("{option} `{path_text}` would overwrite {owner}");
         }
+        check_writable(&canonical, &folder).with_context(|| format!("{option} `{path_text}` cannot be written"))?;
         seen_files.push((format!("what {option} writes"), canonical));
     }
     Ok(())
+}
+
+/// Checks that the file `path` can be opened for writing, or created in `folder`; changes neither.
+fn check_writable(path: &Path, folder: &Path) -> io::Result<()> {
+    match std::fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() => std::fs::OpenOptions::new().write(true).open(path).map(drop),
+        // Opening a pipe waits for its reader.
+        Ok(_) => Ok(()),
+        Err(_) => tempfile::tempfile_in(folder).map(drop),
+    }
 }
 
 /// The file that would be created through `path`: the target of a symbolic link to nothing, otherwise `path`.
