@@ -243,7 +243,7 @@ impl Session {
                 requests.is_over = true;
                 std::mem::take(&mut requests.actions)
             }));
-            if matches!(finished_run.finished.ended.end, EndReason::Broken) {
+            if matches!(finished_run.finished.ended.end, EndReason::Broken | EndReason::HeapLost) {
                 // The broken program may have left locks of the C library in this process, so later programs get processes.
                 self.args.lock().exec = Exec::Process;
             }
