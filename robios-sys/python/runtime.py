@@ -1769,8 +1769,8 @@ def _advice(error, trace):
         return f"what stands before `.{str(error).split(chr(39))[3]}` is None: test it with `if ... is not None:` first"
     if isinstance(error, TypeError) and "can only concatenate str" in str(error):
         return "`+` joins only texts: write `str(...)` around the number"
-    if isinstance(error, ModuleNotFoundError) and error.name and _sys.executable:
-        module = error.name.split(".")[0]
+    module = (getattr(error, "name", None) or "").split(".")[0]
+    if isinstance(error, ModuleNotFoundError) and module and "eye" not in module.lower() and _sys.executable:
         return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
     return _missing_import(error, trace)
 

@@ -1,5 +1,6 @@
 //! The command `eyesim run`: rejected input, interruption, and remaining files.
 
+use std::os::unix::process::CommandExt as _;
 use std::process::Stdio;
 use std::time::Duration;
 
@@ -17,7 +18,15 @@ fn scene(source: &str) -> Scratch {
 fn interrupted(scratch: &Scratch, args: &[&str], signal: i32) -> Ran {
     let mut all = vec!["run", "scene.sim", "--report", "r.json", "--trace", "t.jsonl"];
     all.extend(args);
-    let child = scratch.command(&all).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("eyesim starts");
+    let mut command = scratch.command(&all);
+    // SAFETY: signal is async-signal-safe. These tests may run under `nohup`, which would be passed on.
+    unsafe {
+        command.pre_exec(|| {
+            libc::signal(libc::SIGHUP, libc::SIG_DFL);
+            Ok(())
+        })
+    };
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("eyesim starts");
     let trace = scratch.path().join("t.jsonl");
     let is_running = || std::fs::read_to_string(&trace).is_ok_and(|text| text.contains("ready"));
     while !is_running() {
