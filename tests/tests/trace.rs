@@ -60,7 +60,7 @@ fn a_full_device_is_named() {
         assert!(ran.stderr.contains(&format!("cannot write the trace `{name}`: No space left on device")), "{ran:#?}");
     }
     let ran = run(&scratch, "/proc/none.parquet", 2);
-    assert!(ran.stderr.contains("cannot write the trace `/proc/none.parquet`: "), "{ran:#?}");
+    assert!(ran.stderr.contains("--trace `/proc/none.parquet` cannot be written: "), "{ran:#?}");
 }
 
 #[test]
