@@ -20,23 +20,30 @@ pub struct Faults {
 
 impl Faults {
     /// The faults of a run with `seed` until `until`. `noise_of` returns the initial noise models of a robot; the end
-    /// of a noise fault restores them.
+    /// of a noise fault restores them. Of several faults that act on one target (a sensor, the radio or a noise
+    /// parameter of a robot) the one that began last takes effect, and the target is restored when none is left.
     ///
     /// Each fault draws its random numbers from its own stream, keyed by the seed and its name.
     pub fn new(faults: &[FaultSpec], seed: u64, until: Time, noise_of: impl Fn(RobotId) -> Profile) -> Self {
+        let episodes: Vec<Vec<Episode>> = faults.iter().map(|fault| episodes(fault, seed, until)).collect();
         let mut actions: Vec<(Time, Action)> = Vec::new();
-        for fault in faults {
+        for (fault, own) in faults.iter().zip(&episodes) {
             let noise = noise_of(fault.robot);
-            let mut schedule = |at: f64, is_begin: bool| {
-                let at = Time::from_seconds_ceil(at);
-                if let Some(action) = action(fault, &noise, is_begin).filter(|_| at < until) {
+            let end_without_others = end_action(fault, &noise);
+            let mut schedule = |at: Time, action: Option<Action>| {
+                if let Some(action) = action.filter(|_| at < until) {
                     let name = fault.title().to_owned();
                     actions.push((at, Action::Fault { name, action: Box::new(action) }));
                 }
             };
-            for at in start_times(fault, seed, until.seconds()) {
-                schedule(at, true);
-                fault.duration.into_iter().for_each(|duration| schedule(at + duration, false));
+            for episode in own {
+                schedule(episode.begin, Some(begin_action(fault)));
+                let Some(end) = episode.end else { continue };
+                // Of the other faults of the same target, the one that began last takes over.
+                let others = faults.iter().zip(&episodes).filter(|(other, _)| has_same_target(fault, other));
+                let active = others.filter_map(|(other, all)| Some((last_active(all, end)?.begin, other)));
+                let heir = active.max_by_key(|(begin, _)| *begin).map(|(_, other)| begin_action(other));
+                schedule(end, heir.or_else(|| end_without_others.clone()));
             }
         }
         actions.sort_by_key(|(at, _)| *at);
@@ -84,19 +91,47 @@ fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     }
 }
 
-/// The intervention with which `fault` begins or ends; `None` for the end of a fault that cannot end.
-fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> {
-    let robot = fault.robot.0;
-    let set_noise = |parameter: &str, value: f64| {
-        let initial = noise.parameters().into_iter().find(|known| known.name() == parameter);
-        let value = if is_begin { value } else { initial.map_or(0.0, |known| known.value) };
-        Action::SetNoise { robot: Some(robot), parameter: parameter.to_owned(), value }
+/// One occurrence of a fault.
+struct Episode {
+    begin: Time,
+    /// `None` if it lasts to the end of the run.
+    end: Option<Time>,
+}
+
+/// The occurrences of `fault` in order of time; they do not overlap.
+fn episodes(fault: &FaultSpec, seed: u64, until: Time) -> Vec<Episode> {
+    let instant = Time::from_seconds_ceil;
+    let episode = |at: f64| Episode { begin: instant(at), end: fault.duration.map(|duration| instant(at + duration)) };
+    start_times(fault, seed, until.seconds()).into_iter().map(episode).collect()
+}
+
+/// The episode of a fault that is active right after `at`.
+fn last_active(episodes: &[Episode], at: Time) -> Option<&Episode> {
+    let begun = episodes.partition_point(|episode| episode.begin <= at);
+    episodes[..begun].last().filter(|last| last.end.is_none_or(|end| end > at))
+}
+
+/// Whether two faults act on the same sensor, radio or noise parameter of a robot.
+fn has_same_target(fault: &FaultSpec, other: &FaultSpec) -> bool {
+    let is_same_kind = match (begin_action(fault), begin_action(other)) {
+        (Action::SetNoise { parameter, .. }, Action::SetNoise { parameter: other, .. }) => parameter == other,
+        (Action::SwitchSensor { sensor, .. }, Action::SwitchSensor { sensor: other, .. })
+        | (Action::StickSensor { sensor, .. }, Action::StickSensor { sensor: other, .. }) => sensor == other,
+        (Action::SwitchRadio { .. }, Action::SwitchRadio { .. }) => true,
+        _ => false,
     };
-    Some(match &fault.kind {
-        FaultKind::Dies if is_begin => Action::HaltRobot { robot },
-        FaultKind::Dies => return None,
-        FaultKind::SensorOff { sensor } => Action::SwitchSensor { robot, sensor: sensor.clone(), on: !is_begin },
-        FaultKind::SensorStuck { sensor } => Action::StickSensor { robot, sensor: sensor.clone(), on: is_begin },
+    is_same_kind && fault.robot == other.robot
+}
+
+/// The intervention with which `fault` begins.
+fn begin_action(fault: &FaultSpec) -> Action {
+    let robot = fault.robot.0;
+    let set_noise =
+        |parameter: &str, value| Action::SetNoise { robot: Some(robot), parameter: parameter.to_owned(), value };
+    match &fault.kind {
+        FaultKind::Dies => Action::HaltRobot { robot },
+        FaultKind::SensorOff { sensor } => Action::SwitchSensor { robot, sensor: sensor.clone(), on: false },
+        FaultKind::SensorStuck { sensor } => Action::StickSensor { robot, sensor: sensor.clone(), on: true },
         FaultKind::Slip { wheels, share } => match wheels {
             SlippingWheels::All => set_noise("drive.slip_percent", 100.0 * share),
             // A wheel that loses a fraction of its distance moves as far as a wheel whose diameter is smaller by this
@@ -104,8 +139,23 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
             SlippingWheels::Left => set_noise("drive.left_percent", -100.0 * share),
             SlippingWheels::Right => set_noise("drive.right_percent", -100.0 * share),
         },
-        FaultKind::RadioOff => Action::SwitchRadio { robot, on: !is_begin },
+        FaultKind::RadioOff => Action::SwitchRadio { robot, on: false },
         FaultKind::Noise { parameter, value } => set_noise(parameter, *value),
+    }
+}
+
+/// The intervention that restores the target of `fault`, with the robot's initial `noise`; `None` for a fault that
+/// cannot end.
+fn end_action(fault: &FaultSpec, noise: &Profile) -> Option<Action> {
+    Some(match begin_action(fault) {
+        Action::SwitchSensor { robot, sensor, .. } => Action::SwitchSensor { robot, sensor, on: true },
+        Action::StickSensor { robot, sensor, .. } => Action::StickSensor { robot, sensor, on: false },
+        Action::SwitchRadio { robot, .. } => Action::SwitchRadio { robot, on: true },
+        Action::SetNoise { robot, parameter, .. } => {
+            let initial = noise.parameters().into_iter().find(|known| known.name() == parameter);
+            Action::SetNoise { robot, parameter, value: initial.map_or(0.0, |known| known.value) }
+        }
+        _ => return None,
     })
 }
 
@@ -152,6 +202,36 @@ mod tests {
         assert_ne!(a, b);
         assert!(a.iter().chain(&b).all(|fault| both.contains(fault)) && both.len() == a.len() + b.len());
         assert_ne!(a, times(&[named("a")], 4));
+    }
+
+    #[test]
+    fn a_target_is_restored_when_its_last_fault_ends() {
+        let noise = |name: &str, at: f64, duration, value| FaultSpec {
+            kind: FaultKind::Noise { parameter: "psd.sigma_mm".into(), value },
+            ..fault(name, FaultTime::Once { at, probability: 1.0 }, duration)
+        };
+        let elsewhere = FaultSpec { robot: RobotId(2), ..noise("d", 0.0, None, 50.0) };
+        let all =
+            [noise("a", 1.0, Some(4.0), 10.0), noise("b", 2.0, Some(1.0), 20.0), noise("c", 4.0, Some(3.0), 30.0)];
+        let values = |faults: &[FaultSpec]| {
+            let mut faults = Faults::new(faults, 1, Time::from_seconds_ceil(60.0), |_| Profile::default());
+            std::iter::from_fn(|| faults.pop())
+                .map(|(at, action)| {
+                    let Action::Fault { action, .. } = action else { panic!("a fault") };
+                    let Action::SetNoise { value, .. } = *action else { panic!("a noise") };
+                    (at.seconds(), value)
+                })
+                .collect::<Vec<_>>()
+        };
+        let expected = [(1.0, 10.0), (2.0, 20.0), (3.0, 10.0), (4.0, 30.0), (5.0, 30.0), (7.0, 0.0)];
+        assert_eq!(values(&all), expected);
+        assert_eq!(values(&[&all[..], &[elsewhere]].concat())[1..], expected);
+        // The second fault begins at the instant at which the first one ends, in either order of the file.
+        let pair = [noise("a", 1.0, Some(1.0), 10.0), noise("b", 2.0, Some(1.0), 20.0)];
+        let reversed = [pair[1].clone(), pair[0].clone()];
+        let expected = [(1.0, 10.0), (2.0, 20.0), (2.0, 20.0), (3.0, 0.0)];
+        assert_eq!(values(&pair), expected);
+        assert_eq!(values(&reversed), expected);
     }
 
     #[test]
