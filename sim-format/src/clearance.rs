@@ -13,6 +13,10 @@ use sim_core::scene::{Bounds, Segment, Walls};
 /// Maximum depth of an overlap, in metres, that is ignored as rounding: the skin of contacts.
 const SKIN: f64 = 1e-6;
 
+/// Maximum number of objects that start inside one body. The physics of a pile takes time and memory with the square of
+/// this number: our choice, which keeps a slot below a second.
+const MAX_PILE: usize = 200;
+
 /// Robot or object, represented by a disc within its body, so that false overlaps are never reported.
 struct Body {
     name: String,
@@ -35,6 +39,7 @@ pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnos
     let outside = outside(&scene.world, &bodies);
     let walls = overlapped_walls(&scene.world, &bodies);
     let others = overlapped_bodies(&bodies);
+    let mut inside_counts = vec![0; bodies.len()];
     for (((body, is_outside), wall), other) in bodies.iter().zip(outside).zip(walls).zip(others) {
         let sink = &mut sinks[usize::from(body.is_of_sim)];
         let room = format!("a place with room for a body of {} mm", (2e3 * body.radius).round());
@@ -57,6 +62,11 @@ pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnos
             sink.warn(codes[1], body.span, format!("{} starts inside {wall}", body.name), room);
         }
         if let Some(other) = other {
+            inside_counts[other] += usize::from(!body.is_robot);
+            if inside_counts[other] == MAX_PILE + 1 && !body.is_robot {
+                let message = format!("more than {MAX_PILE} objects start inside {}", bodies[other].name);
+                sink.error(codes[2], body.span, message, "places at least both radii apart");
+            }
             let message = format!("{} starts inside {}", body.name, bodies[other].name);
             sink.warn(codes[2], body.span, message, "places at least both radii apart");
         }

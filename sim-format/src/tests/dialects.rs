@@ -239,6 +239,14 @@ fn fixed_objects_may_overlap_walls_and_each_other() {
 }
 
 #[test]
+fn a_pile_of_objects_is_an_error() {
+    let pile = |count| load(&format!("maze m.maz\nS4 S\n{}", "can 900 1200 0\n".repeat(count)));
+    assert!(!pile(201).has_errors());
+    assert!(pile(202).diagnostics.iter().any(|it| it.message.starts_with("more than 200 objects start inside")));
+    assert!(pile(202).has_errors());
+}
+
+#[test]
 fn specs_of_all_dialects() {
     let vr = "world a.maz\nsettings VIS\nrobot a.robi\nobj a.esObj\nLabBot 1 2 3 a.x\nS4 S 90 b.py\nScout 4 5 6 c.exe\n\
               can 1 2 3\nmarker 1 2 3 4 5\n";
