@@ -158,12 +158,20 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         let (columns, rows) = grid.span(&Bounds { min: square.min - reach, max: square.max + reach });
         let mut add = nearby.adder(grid.bounds().min);
         let mut scanned = 0;
-        rows.into_iter().all(|row| {
+        for row in rows {
             let [first, last] = [columns.start(), columns.end()].map(|column| grid.index(*column, row));
             let entries = self.middles.entries_between(first, last);
             scanned += entries.len();
-            scanned <= MAX_SCANNED && entries.iter().all(|(key, rectangle)| add(*key, rectangle))
-        })
+            if scanned > MAX_SCANNED {
+                return false;
+            }
+            for (key, rectangle) in entries {
+                if !add(*key, rectangle) {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Visits each body whose rectangle overlaps `bounds` once, in ascending order of the keys.

@@ -17,12 +17,14 @@ fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
         bytes.push(value as u8);
         return;
     }
-    if value < 1 << 28 {
-        // Writes up to four bytes at once, without a loop.
-        let spread = (value & 0x7f) | (value & 0x3f80) << 1 | (value & 0x1f_c000) << 2 | (value & 0xfe0_0000) << 3;
-        let continuation_bytes = (64 - (value | 1).leading_zeros() as usize).div_ceil(7) - 1;
-        let continuation_bits = 0x80_8080 & ((1 << (8 * continuation_bytes)) - 1);
-        let len = bytes.len() + continuation_bytes + 1;
+    if value < 1 << 56 {
+        // Spreads groups of seven bits over bytes, in halves, quarters and eighths of the word, without a loop.
+        let mut spread = (value & 0xfff_ffff) | (value & 0xff_ffff_f000_0000) << 4;
+        spread = (spread & 0x3fff_0000_3fff) | (spread & 0xfff_c000_0fff_c000) << 2;
+        spread = (spread & 0x7f_007f_007f_007f) | (spread & 0x3f80_3f80_3f80_3f80) << 1;
+        let continuation_bytes = (63 - spread.leading_zeros()) / 8;
+        let continuation_bits = 0x8080_8080_8080_8080 & ((1 << (8 * continuation_bytes)) - 1);
+        let len = bytes.len() + continuation_bytes as usize + 1;
         bytes.extend_from_slice(&(spread | continuation_bits).to_le_bytes());
         bytes.truncate(len);
         return;
@@ -129,7 +131,8 @@ mod tests {
 
     #[test]
     fn fields_match_postcard() {
-        for number in [0, 1, 63, 64, 127, 128, 16_383, 16_384, i64::from(i32::MAX), i64::MAX] {
+        let powers = (0..63).flat_map(|bits| [(1_i64 << bits) - 1, 1 << bits]);
+        for number in powers.chain([i64::MAX, 0x1234_5678_9abc_def0]) {
             for signed in [number, -number, !number] {
                 check(signed);
                 check(signed as u64);
