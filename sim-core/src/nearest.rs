@@ -10,7 +10,10 @@ pub fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str>) -> O
     keywords
         .into_iter()
         .map(|keyword| (strsim::osa_distance(&word, &keyword.to_lowercase()), keyword))
-        .filter(|(distance, keyword)| *distance <= 1 + keyword.len() / 5 && *distance < keyword.len().min(word.len()))
+        .filter(|(distance, keyword)| {
+            let length = keyword.len().min(word.len());
+            *distance <= 1 + length / 5 && *distance < length
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, keyword)| keyword)
 }
@@ -29,6 +32,7 @@ mod tests {
             ("postion", Some("position")),
             ("floor_textrue", Some("floor_texture")),
             ("banana", None),
+            ("foo", None),
             ("x", None),
         ] {
             assert_eq!(nearest(word, keywords), keyword, "{word}");
