@@ -24,6 +24,7 @@ pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
         world: WorldSpec { file: file.to_owned(), ..WorldSpec::default() },
         width: None,
         height: None,
+        has_wrong_size: false,
         frames: vec![Pose::default()],
     };
     for line in line::lines(text) {
@@ -40,6 +41,8 @@ struct Reader {
     world: WorldSpec,
     width: Option<f64>,
     height: Option<f64>,
+    /// True if a line with the size of the floor has a mistake.
+    has_wrong_size: bool,
     /// World poses of the open frames, the world frame first.
     frames: Vec<Pose>,
 }
@@ -86,15 +89,17 @@ impl Reader {
     fn read_floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let quantities = [Quantity::size("floor width"), Quantity::size("floor height")];
         let syntax = "`floor WIDTH HEIGHT` in mm";
-        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, syntax) {
-            self.width = Some(width);
-            self.height = Some(height);
+        match self.arguments(keyword, rest, &quantities, Code::WldFloorArity, syntax) {
+            Some([width, height]) => (self.width, self.height) = (Some(width), Some(height)),
+            None => self.has_wrong_size = true,
         }
     }
 
     fn read_side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
         let syntax = format!("`{} SIZE` in mm", keyword.text);
-        self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &syntax).map(|[size]| size)
+        let size = self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &syntax);
+        self.has_wrong_size |= size.is_none();
+        size.map(|[size]| size)
     }
 
     fn read_texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
@@ -224,7 +229,7 @@ impl Reader {
     fn finish(mut self) -> (WorldSpec, Vec<Diagnostic>) {
         let (_, extent) = self.world.bounds();
         self.world.floor = DVec2::new(self.width.unwrap_or(extent.x), self.height.unwrap_or(extent.y));
-        if self.width.is_none() || self.height.is_none() {
+        if (self.width.is_none() || self.height.is_none()) && !self.has_wrong_size {
             let (width, height) = (self.world.floor.x * 1000.0, self.world.floor.y * 1000.0);
             let message =
                 format!("the size of the floor is not given; taken from the walls: {width:.0} x {height:.0} mm");

@@ -55,6 +55,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::NumberInvalid, "a.wld", "floor 1 1\n0 0 1OO 0\n"),
     (Code::NumberInvalid, "a.sim", "robi a.robi a.so 100 2,5 east\n"),
     (Code::NumberRange, "a.wld", "floor 1 1\n0 0 nan 1e300\n0 0 1 1 10 10 256 0 0\n"),
+    (Code::NumberRange, "a.wld", "floor 0 0\n"),
     (Code::NumberRange, "a.maz", " ___\n|___|\n6e8\n"),
     (Code::NumberRange, "a.robi", "wheel 0 3600 1100 90\ndiameter -5\n"),
     (Code::NumberRange, "a.toml", "[drive]\nwheel_lag_ms = -1\n[input]\nparallel_data = 256\n"),
