@@ -61,6 +61,9 @@ struct Reader {
 
 impl Reader {
     fn read_line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        if self.report_equals_sign(first, rest) {
+            return;
+        }
         match first.text.to_lowercase().as_str() {
             "world" => self.read_world(first, rest, WorldKind::World),
             "maze" => self.read_world(first, rest, WorldKind::Maze),
@@ -78,6 +81,21 @@ impl Reader {
             }
             _ => self.read_line_of_type(first, rest),
         }
+    }
+
+    /// Reports a keyword with `=`, such as `world=box.wld`; returns false if the line has none.
+    fn report_equals_sign(&mut self, first: &Word<'_>, rest: &[Word<'_>]) -> bool {
+        let line = std::iter::once(first).chain(rest).map(quoted).collect::<Vec<_>>().join(" ");
+        let Some((keyword, value)) = line.split_once('=').map(|(keyword, value)| (keyword.trim(), value.trim())) else {
+            return false;
+        };
+        if !KEYWORDS.contains(&keyword.to_lowercase().as_str()) {
+            return false;
+        }
+        let message = format!("`=` follows the keyword `{keyword}`");
+        self.sink.error(Code::SimKeyword, line_span(first, rest), message, KEYWORD_SYNTAX).suggestion =
+            Some(format!("write `{keyword} {value}`"));
+        true
     }
 
     fn read_world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
@@ -342,6 +360,11 @@ fn short_pose_message(name: &Word<'_>, count: usize) -> String {
 /// Span of a line, from its first word to its last.
 fn line_span(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(first.span, |last| first.span.to(last.span))
+}
+
+/// Text of a word, between double quotes if it contains blanks.
+fn quoted(word: &Word<'_>) -> String {
+    if word.text.contains(' ') { format!("\"{}\"", word.text) } else { word.text.to_owned() }
 }
 
 fn spanned_text(word: &Word<'_>) -> SpannedText {

@@ -72,6 +72,29 @@ fn without_a_terminal_there_is_one_line_for_each_mistake() {
 }
 
 #[test]
+fn one_line_says_what_to_write() {
+    let suite = "[suite]\nscene = \"a.sim\"\n[matrix]\nseed = \"0..400000\"\n";
+    let sim = "world=good.wld\ncan 1000\nball\nsettings FOO\n";
+    let scratch = with(&[("a.sim", sim), ("a.suite.toml", suite), ("good.wld", GOOD)]);
+    for (file, line) in [
+        ("a.sim", "a.sim:1:1: error[sim-keyword]: `=` follows the keyword `world`; write `world good.wld`"),
+        (
+            "a.sim",
+            "a.sim:2:1: error[sim-place-arity]: `can` has 1 of 3 numbers; expected `NAME X Y PHI` in mm and degrees",
+        ),
+        (
+            "a.sim",
+            "a.sim:3:1: warning[sim-keyword]: unknown keyword `ball`; expected one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`",
+        ),
+        ("a.sim", "a.sim:4:10: warning[sim-setting]: `FOO` is no setting; expected any of VIS and TRACE"),
+        ("a.suite.toml", "a.suite.toml:4:8: error[suite-cases]: `0..400000` has 400001 seeds; expected at most 400000"),
+    ] {
+        let ran = check(&scratch, &[file, "--format", "short"]);
+        assert!(ran.stdout.lines().any(|found| found == line), "{line}: {ran:#?}");
+    }
+}
+
+#[test]
 fn people_see_the_line_and_no_colour_unless_they_want_it() {
     let scratch = with(&[("warned.wld", WARNED)]);
     let plain = check(&scratch, &["warned.wld", "--format", "human"]).stdout;

@@ -138,9 +138,11 @@ fn short(diagnostic: &Diagnostic) -> String {
     let mut text = diagnostic.to_string();
     // The messages of these codes say what was found, but not what was expected.
     let code = diagnostic.code.name();
+    let lacks_form = ["number-", "toml-"].iter().any(|start| code.starts_with(start))
+        || ["-arity", "-cases", "-keyword", "-setting"].iter().any(|end| code.ends_with(end));
     match &diagnostic.suggestion {
         Some(suggestion) => text.push_str(&format!("; {suggestion}")),
-        None if code.starts_with("number-") || code.starts_with("toml-") => {
+        None if lacks_form => {
             text.push_str(&format!("; expected {}", diagnostic.expected));
         }
         None => {}
@@ -323,12 +325,13 @@ mod tests {
 
     #[test]
     fn short_format_has_one_line_per_diagnostic() {
-        let mut diagnostics = diagnostics_of("floor 9 9\n0 0 1\nush 1 2 3\n");
+        let mut diagnostics = diagnostics_of("floor 9 9\n0 0 1\nush 1 2 3\nwater\n");
         diagnostics[0].message = "not found\n  tried `a`\n  tried `\x1bb`".to_owned();
         let short = render(&diagnostics, &[], Format::Short, PLAIN).expect("plain text");
         let expected = "a.wld:2:1: warning[wld-wall-arity]: not found; tried `a`; tried `\u{fffd}b`; \
                         `push 0 0 1`, if a frame is meant\n\
-                        a.wld:3:1: warning[wld-keyword]: unknown keyword `ush`; write `push`\n";
+                        a.wld:3:1: warning[wld-keyword]: unknown keyword `ush`; write `push`\n\
+                        a.wld:4:1: warning[wld-water-arity]: `water` has 0 of 1 numbers; expected `water DEPTH` in mm\n";
         assert_eq!(short, expected);
         let logged = Screen { is_terminal: false, ..PLAIN };
         assert_eq!(render(&diagnostics, &[], Format::Auto, logged).expect("plain text"), expected);

@@ -111,6 +111,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     ),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\n"),
+    (Code::SimKeyword, "a.sim", "world=a.wld\nrobi = \"my bot.robi\" a.so\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
     (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\n"),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
