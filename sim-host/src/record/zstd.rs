@@ -16,24 +16,27 @@ pub fn frame(text: &[u8]) -> Vec<u8> {
     compress_to_vec(text, CompressionLevel::Fastest)
 }
 
-/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is omitted.
+/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is omitted unless it is the only one.
 pub struct Frames<R> {
     input: R,
     decoder: FrameDecoder,
     is_open: bool,
+    /// True if text has been read.
+    has_text: bool,
 }
 
 impl<R: BufRead> Frames<R> {
     /// Creates a reader of the frames of `input`.
     pub fn new(input: R) -> Self {
-        Self { input, decoder: FrameDecoder::new(), is_open: false }
+        Self { input, decoder: FrameDecoder::new(), is_open: false, has_text: false }
     }
 
-    /// Returns the error of a frame, or 0 bytes if the input ended within the frame.
+    /// Returns the error of a frame, or 0 bytes if the input ended within the frame and text precedes it.
     fn error(&mut self, error: impl std::fmt::Display) -> io::Result<usize> {
         self.is_open = false;
         if self.input.fill_buf()?.is_empty() {
-            return Ok(0);
+            let truncated = || io::Error::new(io::ErrorKind::UnexpectedEof, "it is truncated, before its first line");
+            return if self.has_text { Ok(0) } else { Err(truncated()) };
         }
         Err(io::Error::new(io::ErrorKind::InvalidData, format!("its compression (Zstandard) is damaged: {error}")))
     }
@@ -43,6 +46,7 @@ impl<R: BufRead> Read for Frames<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         while !buffer.is_empty() {
             if self.is_open && self.decoder.can_collect() > 0 {
+                self.has_text = true;
                 return self.decoder.read(buffer);
             }
             if self.is_open && !self.decoder.is_finished() {
@@ -86,6 +90,10 @@ mod tests {
         let cut = [frame(b"whole"), frame(long.as_bytes())].concat();
         let text = read(&cut[..cut.len() - 1000]).expect("a cut frame");
         assert!(text.starts_with("whole") && (long + "whole").len() > text.len(), "{}", text.len());
+        for length in [MAGIC.len(), 20] {
+            let error = read(&frame(b"{\"event\":\"header\"}")[..length]).expect_err("a cut frame");
+            assert_eq!(error.to_string(), "it is truncated, before its first line", "{length} bytes");
+        }
     }
 
     #[test]
