@@ -212,3 +212,29 @@ fn odd_clients_do_no_harm() {
     editor.tell("exit", Value::Null);
     assert_eq!(editor.server.wait().expect("it ends").code(), Some(1));
 }
+
+#[test]
+fn huge_messages_are_refused_from_their_header() {
+    for greets in [false, true] {
+        let mut server = Command::new(eyesim_path())
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("a server");
+        let mut input = server.stdin.take().expect("its input");
+        if greets {
+            let text = json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": { "capabilities": {} } })
+                .to_string();
+            write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("it listens");
+        }
+        input.write_all(b"content-length: 67108865\r\n\r\n").expect("it listens");
+        // The input stays open.
+        let output = server.wait_with_output().expect("it ends");
+        let message = String::from_utf8(output.stderr).expect("text");
+        assert_eq!(message, "error: standard input: a message of 67108865 bytes, expected at most 67108864\n");
+        assert_eq!(output.status.code(), Some(2));
+        drop(input);
+    }
+}

@@ -10,7 +10,11 @@ mod schema;
 mod toml_cursor;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, BufRead, Read};
+use std::panic::resume_unwind;
 use std::process::ExitCode;
+use std::sync::mpsc;
+use std::thread;
 
 use anyhow::Context as _;
 use clap::Args;
@@ -33,6 +37,9 @@ use sim_host::launch::check::{FindProgram, finder, search_path};
 
 use super::check::check;
 
+/// Maximum length of a message in bytes; longer than any file that is typed.
+const MAX_MESSAGE: u64 = 64 << 20;
+
 /// Arguments of `eyesim lsp`.
 #[derive(Args)]
 pub struct LspArgs {
@@ -47,7 +54,33 @@ pub struct LspArgs {
 /// The working folder is unknown, or the editor violates the protocol.
 pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     let LspArgs { stdio: _ } = args;
-    let (connection, threads) = Connection::stdio();
+    let (connection, Connection { sender, receiver }) = Connection::memory();
+    let (failure, failures) = mpsc::channel();
+    let thread = |name: &str| thread::Builder::new().name(name.to_owned());
+    thread("lsp-reader").spawn(move || {
+        let mut input = LimitedInput(io::stdin().lock());
+        let read = || {
+            Message::read(&mut input).unwrap_or_else(|error| {
+                // Nobody receives it after the end of the service.
+                _ = failure.send(error);
+                None
+            })
+        };
+        std::iter::from_fn(read).all(|message| sender.send(message).is_ok())
+    })?;
+    let writer =
+        thread("lsp-writer").spawn(move || receiver.iter().try_for_each(|message| message.write(&mut io::stdout())))?;
+    let served = serve(connection);
+    if let Ok(error) = failures.try_recv() {
+        return Err(error).context("standard input");
+    }
+    let is_shut_down = served?;
+    writer.join().unwrap_or_else(|panic| resume_unwind(panic))?;
+    Ok(if is_shut_down { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Serves an editor; returns true if it has requested the shutdown.
+fn serve(connection: Connection) -> anyhow::Result<bool> {
     let (id, params) = connection.initialize_start().context("an editor starts with `initialize`")?;
     let params: InitializeParams = serde_json::from_value(params).context("the parameters of `initialize`")?;
     let encoding = encoding_of(&params);
@@ -59,10 +92,37 @@ pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     let files = DiskFiles::of_environment();
     let find_program = finder(search_path(&files)?, None, None);
     let mut server = Server { documents: Documents::new(files, encoding), find_program, published: BTreeSet::new() };
-    let is_shut_down = server.serve(&connection)?;
-    drop(connection);
-    threads.join()?;
-    Ok(if is_shut_down { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    server.serve(&connection)
+}
+
+/// Input that refuses the header of a message longer than [`MAX_MESSAGE`], for which [`Message::read`] would wait.
+struct LimitedInput<R>(R);
+
+impl<R: Read> Read for LimitedInput<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl<R: BufRead> BufRead for LimitedInput<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.0.fill_buf()
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.0.consume(count);
+    }
+
+    fn read_line(&mut self, line: &mut String) -> io::Result<usize> {
+        let count = self.0.read_line(line)?;
+        let header = line.trim_end().split_once(": ").filter(|(name, _)| name.eq_ignore_ascii_case("Content-Length"));
+        match header.and_then(|(_, length)| length.parse::<u64>().ok()) {
+            Some(length) if length > MAX_MESSAGE => {
+                Err(io::Error::other(format!("a message of {length} bytes, expected at most {MAX_MESSAGE}")))
+            }
+            _ => Ok(count),
+        }
+    }
 }
 
 /// UTF-8 if the editor supports it, otherwise UTF-16, which every editor supports.
