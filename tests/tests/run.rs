@@ -91,6 +91,18 @@ fn a_report_that_cannot_be_written_keeps_no_plot_from_being_written() {
 }
 
 #[test]
+fn a_missing_temporary_folder_is_named() {
+    let scratch = scene("return 0;");
+    let ran = scratch.command(&["run", "scene.sim"]).env("TMPDIR", "/missing").output().expect("eyesim starts");
+    let ran = Ran::from(ran);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(
+        ran.stderr.contains("no folder in $TMPDIR to load programs from: ") && ran.stderr.contains("/missing/"),
+        "{ran:#?}"
+    );
+}
+
+#[test]
 fn a_closed_output_pipe_is_not_an_error() {
     let scratch = scene("int i; for (i = 0; i < 100000; i++) puts(\"line\"); return 0;");
     let mut child =

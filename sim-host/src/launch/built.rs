@@ -10,7 +10,7 @@ use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
 use crate::check::Tally;
-use crate::executive::load::{ProgramLoadError, execution_of, load_programs};
+use crate::executive::load::{execution_of, load_programs};
 use crate::executive::program::ExecutionKind;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::find::ProgramSource;
@@ -81,7 +81,8 @@ impl BuiltScene {
     /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Frames`] for
     /// a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
-        let mut loader = Loader::new().map_err(ProgramLoadError::Folder)?;
+        let mut loader = Loader::new()
+            .map_err(|error| Error::Folder { purpose: "folder in $TMPDIR to load programs from", error })?;
         self.load_with(&mut loader)
     }
 
