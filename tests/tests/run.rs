@@ -1,5 +1,7 @@
 //! The command `eyesim run`: rejected input, interruption, and remaining files.
 
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::process::CommandExt as _;
 use std::process::Stdio;
 use std::time::Duration;
@@ -100,6 +102,14 @@ fn a_missing_temporary_folder_is_named() {
         ran.stderr.contains("no folder in $TMPDIR to load programs from: ") && ran.stderr.contains("/missing/"),
         "{ran:#?}"
     );
+}
+
+#[test]
+fn an_argument_that_is_not_text_is_named() {
+    let scratch = scene("return 0;");
+    let mut command = scratch.command(&["run", "scene.sim", "--until"]);
+    let ran = Ran::from(command.arg(OsStr::from_bytes(b"1\xff")).output().expect("eyesim starts"));
+    assert_eq!((ran.code, &*ran.stderr), (Some(2), "error: an argument is not UTF-8: \"1\\xFF\"\n"));
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use output::say;
 use sim_host::executive::interrupt;
@@ -146,7 +147,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         say(format_args!("error: no command is given: `{command}` runs the scene"));
         return ExitCode::from(EXIT_USAGE);
     }
-    let result = match Cli::parse_from(words).command {
+    let result = match Cli::try_parse_from(&words).unwrap_or_else(|error| refuse(&error, &words)).command {
         Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
         Command::Pack(args) => pack::run(&args),
         Command::Test(args) => test::run(&args),
@@ -188,6 +189,17 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         say(format_args!("error: {error:#}"));
         ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
     })
+}
+
+/// Ends the process with a usage error, or with the help that the user wants.
+fn refuse(error: &clap::Error, words: &[OsString]) -> ! {
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        let words: Vec<String> =
+            words.iter().filter(|word| word.to_str().is_none()).map(|word| format!("{word:?}")).collect();
+        say(format_args!("error: an argument is not UTF-8: {}", words.join(", ")));
+        std::process::exit(EXIT_USAGE.into());
+    }
+    error.exit()
 }
 
 /// Parses a whole number, such as a seed.
