@@ -113,6 +113,25 @@ fn an_argument_that_is_not_text_is_named() {
 }
 
 #[test]
+fn a_hyphen_is_no_file() {
+    let scratch = scene("return 0;");
+    for args in [
+        &["run", "scene.sim", "--trace", "-"][..],
+        &["run", "scene.sim", "--record", "-"],
+        &["run", "scene.sim", "--frames", "-"],
+        &["test", "--report", "-"],
+        &["test", "--junit", "-"],
+        &["sweep", "a.suite.toml", "-o", "-"],
+        &["cc", "prog.c", "-o", "-"],
+    ] {
+        let ran = scratch.eyesim(args);
+        assert_eq!(ran.code, Some(2), "{args:?}: {ran:#?}");
+        assert!(ran.stderr.contains("standard output is not supported here"), "{args:?}: {ran:#?}");
+        assert!(!scratch.path().join("-").exists(), "{args:?}");
+    }
+}
+
+#[test]
 fn a_closed_output_pipe_is_not_an_error() {
     let scratch = scene("int i; for (i = 0; i < 100000; i++) puts(\"line\"); return 0;");
     let mut child =

@@ -15,7 +15,7 @@ use clap::Args;
 use sim_host::files::read_regular;
 use sim_host::record::report::write_atomically;
 
-use super::output::check_outputs;
+use super::output::{check_outputs, output_path};
 use super::output::{print, print_error, say, tell};
 use crate::plot::chart;
 
@@ -32,7 +32,7 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Write each plot as SVG into this folder, which is created if it is missing
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = output_path())]
     pub plots: Option<PathBuf>,
     /// Write the tables into a Markdown page: each between its `<!-- accuracy: STUDY -->` and `<!-- end -->`
     #[arg(long, value_name = "FILE")]

@@ -11,7 +11,7 @@ use sim_host::program::compile::Kits;
 use sim_host::program::language::Language;
 use sim_host::program::{Generation, GenerationHint};
 
-use super::output::say;
+use super::output::{output_path, say};
 
 /// Arguments of `eyesim cc`.
 #[derive(Args, Debug)]
@@ -20,7 +20,7 @@ pub struct CcArgs {
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// The library to write
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT", value_parser = output_path())]
     pub output: PathBuf,
     /// RoBIOS generation that the program is written for, 6 or 7 [default: from the functions that it calls]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]

@@ -22,7 +22,7 @@ use sim_host::record::report::write_atomically;
 use student::View;
 
 use super::EXIT_INTERRUPTED;
-use super::output::{say, tell};
+use super::output::{output_path, say, tell};
 use super::pack::{self, Collected, is_archive};
 use super::run::{parse_count, parse_sandbox, report_diagnostics};
 use super::test::screen::number;
@@ -47,13 +47,13 @@ pub struct GradeArgs {
     #[arg(long, requires = "submissions")]
     pub single: bool,
     /// Folder for the pages, tables and results
-    #[arg(short, long, value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER", value_parser = output_path())]
     pub output: Option<PathBuf>,
     /// Further seeds, which students do not see: numbers and ranges such as `1..20`
     #[arg(long, value_name = "FILE")]
     pub hidden_seeds: Option<PathBuf>,
     /// Write the result of a single submission as Gradescope's results.json
-    #[arg(long, value_name = "FILE", requires = "single")]
+    #[arg(long, value_name = "FILE", requires = "single", value_parser = output_path())]
     pub results: Option<PathBuf>,
     /// Write an archive with which Gradescope grades by this suite
     #[arg(long, value_name = "FILE", conflicts_with_all = ["submissions", "output"])]

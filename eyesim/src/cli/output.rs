@@ -5,6 +5,7 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use parking_lot::Mutex;
 use sim_host::record::log::Printable;
 
@@ -84,6 +85,14 @@ impl StandardStreams {
              (`--exec process` keeps such a program apart)"
         )
     }
+}
+
+/// Parser of the name of an output; `-`, which stands for standard output in other commands, is refused.
+pub fn output_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match path.as_os_str() == "-" {
+        true => Err("standard output is not supported here; `./-` has this name"),
+        false => Ok(path),
+    })
 }
 
 /// Checks that the files to be written lie in existing folders, can be written, and overwrite neither an input nor each

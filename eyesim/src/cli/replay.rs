@@ -32,9 +32,9 @@ use sim_view::protocol::{AddableTypes, Recording};
 use sim_view::window::{Access, Download};
 
 use super::EXIT_PROGRAM;
-use super::output::check_outputs;
 use super::output::print;
 use super::output::say;
+use super::output::{check_outputs, output_path};
 use super::run::{self, ConsoleRun, RunArgs};
 use super::view::{open_browser, open_window};
 use crate::window::recording::recording;
@@ -53,7 +53,7 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "NUMBER", value_parser = run::parse_threads, requires = "verify")]
     threads: Option<NonZeroUsize>,
     /// Write the recording and the page that plays it into one file, which a browser can open from disk
-    #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
+    #[arg(long, value_name = "FILE.html", conflicts_with = "verify", value_parser = output_path())]
     html: Option<PathBuf>,
     /// Do not open a browser
     #[arg(long, conflicts_with_all = ["verify", "html"])]

@@ -31,7 +31,7 @@ use sim_host::program::words::quoted;
 use sim_host::record::{Report, TraceFilter};
 
 use super::cc::parse_api;
-use super::output::{StandardStreams, print, print_error, say};
+use super::output::{StandardStreams, output_path, print, print_error, say};
 use super::table::{self, TableScreen};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM, EXIT_USAGE};
 
@@ -60,20 +60,20 @@ pub struct RunArgs {
     pub repeat: Option<PathBuf>,
     /// Write every event as a line of JSON during the run, compressed if the name ends with `.zst`; NAME.parquet: as rows of a
     /// table for pandas, polars and DuckDB
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_path())]
     pub trace: Option<PathBuf>,
     /// With --trace, write only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as
     /// `contact,stdout`
     #[arg(long, value_name = "KINDS", value_parser = TraceFilter::parse, requires = "trace")]
     pub trace_only: Option<TraceFilter>,
     /// Write the run as MCAP, for Foxglove and rerun, during the run
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_path())]
     pub record: Option<PathBuf>,
     /// Draw the world from above with the robots' paths, as .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Write every image that a program takes as .png into a folder, which must be empty or new
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_parser = output_path())]
     pub frames: Option<PathBuf>,
     /// Seed of all random numbers [default: from the scene, or 0]
     #[arg(long, value_name = "NUMBER", value_parser = super::whole_number, allow_negative_numbers = true)]

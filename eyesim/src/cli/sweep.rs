@@ -17,7 +17,7 @@ use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::record::log::Printable;
 use sim_host::record::report::write_atomically;
 
-use super::output::{check_outputs, say, tell};
+use super::output::{check_outputs, output_path, say, tell};
 use super::pack::is_archive;
 use super::run::report_diagnostics;
 use super::test::{builder, expect_suite, job_count};
@@ -47,7 +47,7 @@ struct RunArgs {
     #[arg(value_name = "SUITE")]
     suite: PathBuf,
     /// Folder for the rows; the same command continues an interrupted sweep
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT", value_parser = output_path())]
     output: PathBuf,
     /// Number of cases that run at the same time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER")]

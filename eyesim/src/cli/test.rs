@@ -25,7 +25,7 @@ use sim_host::program::{Builder, Cache, Kits, Tools};
 use sim_host::record::report::write_atomically;
 
 use super::check::walk;
-use super::output::{check_outputs, given_outputs};
+use super::output::{check_outputs, given_outputs, output_path};
 use super::pack::{self, is_archive};
 use super::progress::Building;
 use super::run::{parse_count, parse_sandbox, report_diagnostics};
@@ -80,13 +80,13 @@ pub struct TestArgs {
     #[arg(long, alias = "co")]
     pub collect_only: bool,
     /// Write the results in JUnit format
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_path())]
     pub junit: Option<PathBuf>,
     /// Write pages for a browser into this folder; the first is index.html
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", value_parser = output_path())]
     pub html: Option<PathBuf>,
     /// Write all rows as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_path())]
     pub report: Option<PathBuf>,
     /// Print a line for each case
     #[arg(short, long)]
