@@ -90,6 +90,8 @@ fn a_report_that_cannot_be_written_keeps_no_plot_from_being_written() {
     let ran = scratch.eyesim(&["run", "scene.sim", "--report", "/dev/full", "--plot", "p.svg"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(scratch.read("p.svg").contains("</svg>"));
+    let error = "error: cannot write the report `/dev/full`: No space left on device (os error 28)";
+    assert_eq!(ran.stderr.lines().last(), Some(error));
 }
 
 #[test]

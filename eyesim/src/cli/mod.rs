@@ -186,7 +186,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = result.and_then(|code| output::take_failure().map(|()| code));
     interrupt::end_within(END_TIMEOUT);
     result.unwrap_or_else(|error| {
-        say(format_args!("error: {error:#}"));
+        say(format_args!("error: {}", output::causes(&error)));
         ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
     })
 }

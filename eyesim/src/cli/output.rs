@@ -45,6 +45,15 @@ pub fn take_failure() -> anyhow::Result<()> {
     FAILURE.lock().take().map_or(Ok(()), |error| Err(error).context("standard output"))
 }
 
+/// The error and its causes, except those that the text before them ends with.
+pub fn causes(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .reduce(|text, cause| if text.ends_with(&cause) { text } else { format!("{text}: {cause}") })
+        .unwrap_or_default()
+}
+
 /// Prints text on standard error, if that can be written to.
 pub fn print_error(text: &str) {
     // There is no other stream for the error.

@@ -26,7 +26,7 @@ use sim_view::window::{Access, Download, OpenError, Options, PendingCommand, Win
 
 use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
-use super::output::{say, tell};
+use super::output::{causes, say, tell};
 use super::pack::open_for_run;
 use super::run::{self, ConsoleRun, FinishedRun, RunArgs, Speed, explain, parse_seconds};
 use super::table::{self, TableScreen};
@@ -382,10 +382,10 @@ impl Session {
                     pending.into_iter().for_each(PendingCommand::accept);
                 }
                 Err(error) => {
-                    say(format_args!("error: {error:#}"));
+                    say(format_args!("error: {}", causes(&error)));
                     let output = match error.downcast_ref::<Error>() {
                         Some(Error::Rejected(rejected)) => full_message(rejected),
-                        _ => format!("{error:#}"),
+                        _ => causes(&error),
                     };
                     pending.into_iter().for_each(|pending| pending.refuse("the run cannot be built"));
                     session.window.build(Build::Failed { output });
