@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::process::CommandExt as _;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use tests::{Ran, Scratch, write_scene};
@@ -131,6 +131,14 @@ fn a_hyphen_is_no_file() {
         assert!(ran.stderr.contains("standard output is not supported here"), "{args:?}: {ran:#?}");
         assert!(!scratch.path().join("-").exists(), "{args:?}");
     }
+}
+
+#[test]
+fn a_small_stack_is_refused() {
+    let command = format!("ulimit -s 512; exec {} explain", tests::eyesim_path().display());
+    let ran = Ran::from(Command::new("sh").args(["-c", &command]).output().expect("sh starts"));
+    let error = "error: the stack is limited to 512 KiB, expected at least 1024: `ulimit -s`\n";
+    assert_eq!((ran.code, &*ran.stderr), (Some(2), error));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use output::say;
-use sim_host::executive::interrupt;
+use sim_host::executive::{interrupt, stack_limit};
 
 #[cfg(not(all(feature = "accuracy", feature = "grading", feature = "lsp", feature = "window")))]
 mod absent;
@@ -56,6 +56,9 @@ pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// Time in s within which this process must end once its command is done.
 const END_TIMEOUT: u32 = 2;
+
+/// Minimum stack of the main thread in bytes; the command line overflows half of it.
+const MIN_STACK: u64 = 1 << 20;
 
 /// Simulates mobile robots like EyeSim: robot programs written against RoBIOS, run in lockstep.
 #[derive(Parser)]
@@ -135,12 +138,18 @@ enum Command {
     New(new::NewArgs),
 }
 
-/// Runs the command line of this process.
+/// Runs the command line of this process, if its stack is large enough.
 pub fn main() -> ExitCode {
+    if let Some(limit) = stack_limit().filter(|limit| *limit < MIN_STACK) {
+        let [limit, min] = [limit, MIN_STACK].map(|bytes| bytes / 1024);
+        say(format_args!("error: the stack is limited to {limit} KiB, expected at least {min}: `ulimit -s`"));
+        return ExitCode::from(EXIT_USAGE);
+    }
     run_words(std::env::args_os())
 }
 
 /// Runs a command line: the name of the command, then its arguments. Usage errors and help end the process.
+#[inline(never)] // Its frame needs a stack that `main` has checked.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let words: Vec<OsString> = words.into_iter().collect();
     if let Some(command) = run_command_for_scene(&words) {

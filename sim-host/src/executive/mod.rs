@@ -118,6 +118,13 @@ pub trait Executor: Send + Sync {
     fn break_overdue(&self, robot: RobotId);
 }
 
+/// Limit of the main thread's stack, in bytes; none if the kernel does not tell it.
+pub fn stack_limit() -> Option<u64> {
+    let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: the call writes only to `limit`.
+    (unsafe { libc::getrlimit(libc::RLIMIT_STACK, &raw mut limit) } == 0).then_some(limit.rlim_cur)
+}
+
 /// Disables transparent huge pages for this process, so that a thousand threads take little memory: with huge pages, the
 /// heap would take one or two of them for every thread that allocates a few bytes.
 pub fn save_memory() {
