@@ -70,6 +70,19 @@ pub fn spawn(command: Command) -> io::Result<Child> {
     started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
 }
 
+/// The user has interrupted this process.
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Kills all commands of this process, also those that start later, with all processes that they have started. Async-signal-safe.
+pub fn interrupt() {
+    IS_INTERRUPTED.store(true, Ordering::Release);
+}
+
+/// Returns true once [`interrupt`] was called.
+pub fn is_interrupted() -> bool {
+    IS_INTERRUPTED.load(Ordering::Acquire)
+}
+
 /// Limits of a command.
 pub struct CommandLimits<'a> {
     /// Wall-clock time after which the command is killed.
@@ -91,7 +104,7 @@ impl CommandLimits<'static> {
 /// killed with all processes that it has started.
 ///
 /// # Errors
-/// The command cannot be started; [`io::ErrorKind::TimedOut`] if it was killed.
+/// The command cannot be started; [`io::ErrorKind::TimedOut`] or [`io::ErrorKind::Interrupted`] if it was killed.
 pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Output> {
     output_within(command, &CommandLimits::of_time(timeout)).map_err(|error| match error.kind() {
         io::ErrorKind::TimedOut => io::Error::new(error.kind(), format!("{error} (see {TIMEOUT_VARIABLE})")),
@@ -152,7 +165,9 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
             let message = format!("it had not ended after {} s and was killed", timeout.as_secs_f64());
             Some((io::ErrorKind::TimedOut, message))
         }
-        () if (limits.is_cancelled)() => Some((io::ErrorKind::Interrupted, "it was interrupted".to_owned())),
+        () if is_interrupted() || (limits.is_cancelled)() => {
+            Some((io::ErrorKind::Interrupted, "it was interrupted".to_owned()))
+        }
         () => None,
     };
     let status = loop {

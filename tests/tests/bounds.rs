@@ -351,7 +351,7 @@ fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
         scratch.write(&format!("{name}.c"), program);
         write_scene(&scratch, &[&format!("{name}.c")]);
         let begun = scratch.path().join("begun");
-        let compiler = "case \"$*\" in *-c*) touch {begun:?}; exec sleep {tag};; esac\nexec cc \"$@\"\n";
+        let compiler = "case \"$*\" in *-c*) touch {begun:?}; sleep {tag} & wait;; esac\nexec cc \"$@\"\n";
         let compiler = compiler.replace("{begun:?}", &format!("{begun:?}")).replace("{tag}", &tag);
         let wrapper = scratch.write("slow-cc", &format!("#!/bin/sh\n{compiler}"));
         std::fs::set_permissions(&wrapper, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a script");
@@ -360,15 +360,18 @@ fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
             eyesim.args(["--no-open", "--port", "0"]);
         }
         if what.starts_with("build") {
-            eyesim.env("CC", &wrapper);
+            eyesim.env("CC", &wrapper).env("EYESIM_CACHE", scratch.path().join("cache"));
         }
         let begins = || if what.starts_with("load") { runs(&child) } else { begun.exists() };
         let (code, elapsed) = interrupted(&mut eyesim, "-TERM", begins);
         assert!(elapsed < INTERRUPT_LIMIT, "{what}: {elapsed:?}");
         println!("{what}: {code:?} after {elapsed:?}");
-        assert_ne!(code, Some(0), "{what}");
+        assert_eq!(code, Some(130), "{what}");
         std::thread::sleep(Duration::from_millis(200));
         assert!(!runs(&format!("sleep {tag}")) && !runs(&child), "{what}: processes are left");
+        let is_unfinished = |path: std::path::PathBuf| path.to_string_lossy().contains("tmp-");
+        let cache = std::fs::read_dir(scratch.path().join("cache")).into_iter().flatten().flatten();
+        assert!(!cache.map(|entry| entry.path()).any(is_unfinished), "{what}: an unfinished build is left");
     }
 }
 

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use clap::Args;
+use sim_host::executive::interrupt;
 use sim_host::program::build::{Builder, Tools};
 use sim_host::program::cache::Cache;
 use sim_host::program::compile::Kits;
@@ -39,6 +40,7 @@ pub struct CcArgs {
 /// If a source is missing or refused, there is no compiler, or the library cannot be written.
 pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
+    interrupt::of_process().context("no handlers of signals")?;
     let cache = Cache::of_user().context("no folder to build in")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let hint = GenerationHint { api: args.api, dialect: None };

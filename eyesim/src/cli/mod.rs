@@ -11,6 +11,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use output::say;
 use sim_host::executive::{interrupt, stack_limit};
+use sim_host::program::command;
 
 #[cfg(not(all(feature = "accuracy", feature = "grading", feature = "lsp", feature = "window")))]
 mod absent;
@@ -196,7 +197,14 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::end_within(END_TIMEOUT);
     result.unwrap_or_else(|error| {
         say(format_args!("error: {}", output::causes(&error)));
-        ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
+        let code = if error.is::<Internal>() {
+            EXIT_INTERNAL
+        } else if command::is_interrupted() {
+            EXIT_INTERRUPTED
+        } else {
+            EXIT_USAGE
+        };
+        ExitCode::from(code)
     })
 }
 

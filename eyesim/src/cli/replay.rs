@@ -23,6 +23,7 @@ use sim_host::executive::scheduler::{Progress, Scheduler};
 use sim_host::executive::script::Script;
 use sim_host::executive::spawn::roster_of;
 use sim_host::launch::{Error, Observers, Scene};
+use sim_host::program::command;
 use sim_host::record::read::read_text;
 use sim_host::record::report::{Input, write_atomically};
 use sim_host::record::{RecordError, Recorded, Sink, TraceReader};
@@ -187,7 +188,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         digest::VERSION
     );
     let ready = match run::build(run::open(&run)?, &run)?.load() {
-        Err(Error::Load(why)) => {
+        Err(Error::Load(why)) if !command::is_interrupted() => {
             say(format_args!("error: {why}"));
             return Ok(ExitCode::from(EXIT_PROGRAM));
         }

@@ -25,9 +25,9 @@ use sim_host::executive::program::Exec;
 use sim_host::executive::subreaper::Subreaper;
 use sim_host::launch::settings::ProgramOption;
 use sim_host::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
-use sim_host::program::Generation;
 use sim_host::program::sandbox::{Level, Sandbox};
 use sim_host::program::words::quoted;
+use sim_host::program::{Generation, command};
 use sim_host::record::{Report, TraceFilter};
 
 use super::cc::parse_api;
@@ -328,7 +328,7 @@ pub fn carry_out(
         say("no robot has a program, so no time passes: `--program FILE` gives them one");
     }
     let ready = match built.load() {
-        Err(Error::Load(why)) => {
+        Err(Error::Load(why)) if !command::is_interrupted() => {
             say(format_args!("error: {why}"));
             return Ok(None);
         }

@@ -8,6 +8,7 @@ use parking_lot::Mutex;
 
 use super::confine::exit_at_once;
 use super::signal::{self, Handlers, action, change_action, default_action};
+use crate::program::command;
 use crate::record::trace_file;
 
 /// Interrupts, permanently, the runs that have a clone of this handle.
@@ -42,8 +43,9 @@ pub fn ignore_file_limit() -> io::Result<()> {
     unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }.map(drop)
 }
 
-/// Installs the handlers of a binary, before its first run, and returns the interrupt that Ctrl-C and SIGTERM set; the second such
-/// signal ends the process. A fault in a thread that a robot program started by itself ends the process with a message.
+/// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C and SIGTERM set; they also
+/// kill the compilers. The second such signal ends the process. A fault in a thread that a robot program started by itself ends the
+/// process with a message.
 ///
 /// # Errors
 /// The kernel refuses a handler, or a run has already installed its own, which these would replace.
@@ -210,6 +212,7 @@ extern "C" fn on_interrupt(signal: i32) {
     if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
         return;
     }
+    command::interrupt();
     if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) || IS_ENDING.load(Ordering::Acquire) {
         // At the second Ctrl-C, or once all files are closed, there is nothing to wait for.
         exit_after_writing(130);

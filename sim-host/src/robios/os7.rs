@@ -112,7 +112,7 @@ pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) ->
             }
             if output.status.success() { 0 } else { robot.fail_call(Call::OSExecute, 1) }
         }
-        Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+        Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {
             robot.refuse_call(Call::OSExecute, 1, |_| format!("`{}`: {error}", super::text(command)))
         }
         Err(error) => robot.refuse_call(Call::OSExecute, 1, |_| format!("there is no shell: {error}")),

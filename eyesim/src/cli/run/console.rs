@@ -11,6 +11,7 @@ use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
 use sim_format::{Code, Diagnostic, InputFile};
+use sim_host::executive::interrupt;
 use sim_host::executive::pace::Pace;
 use sim_host::executive::program::Exec;
 use sim_host::executive::run::Run;
@@ -52,6 +53,7 @@ pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
 /// # Errors
 /// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
 pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
+    interrupt::of_process().context("no handlers of signals")?;
     let mut builder = scene.builder()?;
     if !args.quiet {
         builder = builder.with_observer(Box::new(Building::on_stderr()));

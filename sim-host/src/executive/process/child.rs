@@ -204,13 +204,16 @@ impl Child {
     /// Waits for the child's first message, which it sends once its program is loaded.
     ///
     /// # Errors
-    /// See [`Child::receive`]; also if the child has used the time limit of loading, or slept for as long, without
-    /// sending the message.
+    /// See [`Child::receive`]; also if the user has interrupted this process, or if the child has used the time limit of loading, or slept
+    /// for as long, without sending the message.
     pub fn receive_first(&self) -> Result<Message, Broken> {
         let mut timer = ReleaseTimer::default();
         // A debugger has no time limit, and an interpreter reports when it imports modules, which may take long.
         while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
         {
+            if command::is_interrupted() {
+                return Err(self.lose(self.broken("it was interrupted while its library was loaded")));
+            }
             let sample = FlowSample::of_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
             if sample.is_some_and(|sample| timer.is_overdue(&sample, LOAD_TIMEOUT)) {
                 return Err(self.lose(self.broken(&format!(
