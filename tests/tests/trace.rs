@@ -85,6 +85,24 @@ fn a_pipe_takes_a_table_and_its_closing_ends_the_run() {
 }
 
 #[test]
+fn a_signal_ends_the_wait_for_the_reader_of_a_pipe() {
+    let scratch = scene("return 0;");
+    assert!(Command::new("mkfifo").arg(scratch.path().join("fifo")).status().expect("mkfifo").success());
+    let mut child = scratch
+        .command(&["run", "scene.sim", "--trace", "t.jsonl", "--record", "fifo"])
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("eyesim starts");
+    // The trace is created before the recording.
+    while !scratch.path().join("t.jsonl").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    // SAFETY: kill takes no pointer; the child has not been waited for, so its process id is still valid.
+    unsafe { libc::kill(child.id().cast_signed(), libc::SIGTERM) };
+    assert_eq!(child.wait().expect("eyesim ends").code(), Some(130));
+}
+
+#[test]
 fn a_trace_is_complete_at_every_end_of_a_run() {
     for (end, code) in
         [("for (;;) OSWait(5);", 130), ("*(volatile int *)8 = 0;", 1), ("return 3;", 1), ("for (;;) ;", 1)]

@@ -296,7 +296,7 @@ pub enum Speed {
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let streams = StandardStreams::current();
     let Some(finished_run) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
-    let written = finished_run.write_files(args);
+    let written = interrupt::outside_of_run(|| finished_run.write_files(args));
     let table = table::render(&finished_run.finished.report, TableScreen::of_stdout());
     let view = view_command(&finished_run.finished.report).map(|line| format!("{line}\n")).unwrap_or_default();
     match args.prints_report() {

@@ -203,6 +203,18 @@ pub fn end_within(seconds: u32) {
 /// [`end_within`] was called: the command is done.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
+/// Does `work` before or after a run, such as to open files: the first signal of [`of_process`] ends the process, since `work` may wait
+/// for the reader of a pipe.
+pub fn outside_of_run<T>(work: impl FnOnce() -> T) -> T {
+    IS_OUTSIDE_OF_RUN.store(true, Ordering::Release);
+    let result = work();
+    IS_OUTSIDE_OF_RUN.store(false, Ordering::Release);
+    result
+}
+
+/// [`outside_of_run`] is doing its work.
+static IS_OUTSIDE_OF_RUN: AtomicBool = AtomicBool::new(false);
+
 /// Ignores Ctrl-C from now on: it is meant for the debugger, which shares this process's process group.
 pub fn leave_interrupts_to_debugger() {
     IS_DEBUGGING.store(true, Ordering::Release);
@@ -213,7 +225,8 @@ extern "C" fn on_interrupt(signal: i32) {
         return;
     }
     command::interrupt();
-    if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) || IS_ENDING.load(Ordering::Acquire) {
+    let is_second = PROCESS_INTERRUPT.get().is_some_and(Interrupt::set);
+    if is_second || [&IS_OUTSIDE_OF_RUN, &IS_ENDING].iter().any(|flag| flag.load(Ordering::Acquire)) {
         // At the second Ctrl-C, or once all files are closed, there is nothing to wait for.
         exit_after_writing(130);
     }

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use accuracy::figure::{Figure, Mark, Scale, Series};
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
 use sim_format::{Code, Diagnostic, InputFile};
-use sim_host::executive::interrupt;
+use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::executive::pace::Pace;
 use sim_host::executive::program::Exec;
 use sim_host::executive::run::Run;
@@ -144,18 +144,7 @@ impl ConsoleRun {
         }
         let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(Trails::of_scene(ready.scene()))));
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
-        if let Some(path) = &args.trace {
-            let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
-            sinks.push(Box::new(TraceFile::create(path, &TraceHeader { only, ..ready.trace_header() })?));
-        }
-        #[cfg(feature = "window")]
-        if let Some(path) = &args.record {
-            sinks.push(Box::new(super::recording::create(path, &ready)?));
-        }
-        #[cfg(not(feature = "window"))]
-        if args.record.is_some() {
-            return Err(crate::cli::absent::error("recordings in MCAP"));
-        }
+        sinks.extend(interrupt::outside_of_run(|| create_files(&ready, args, &observers.interrupt))?);
         sinks.extend(observers.sinks);
         let mut err = progress.stderr();
         let print = move |diagnostics: &[Diagnostic], inputs: &[InputFile]| {
@@ -194,6 +183,25 @@ impl ConsoleRun {
         progress.clear();
         FinishedRun { finished, trails }
     }
+}
+
+/// Creates the files that the arguments name for the record of the run.
+fn create_files(ready: &Ready, args: &RunArgs, interrupt: &Interrupt) -> anyhow::Result<Vec<Box<dyn Sink>>> {
+    ensure!(!interrupt.is_set(), "interrupted before the run");
+    let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+    if let Some(path) = &args.trace {
+        let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
+        sinks.push(Box::new(TraceFile::create(path, &TraceHeader { only, ..ready.trace_header() })?));
+    }
+    #[cfg(feature = "window")]
+    if let Some(path) = &args.record {
+        sinks.push(Box::new(super::recording::create(path, ready)?));
+    }
+    #[cfg(not(feature = "window"))]
+    if args.record.is_some() {
+        return Err(crate::cli::absent::error("recordings in MCAP"));
+    }
+    Ok(sinks)
 }
 
 /// A finished run, and the trails for its plot.
