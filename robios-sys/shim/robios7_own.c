@@ -50,19 +50,28 @@ static void set_ip_size(int width, int height)
 static struct eyesim_bytes grey_of(const BYTE *image) { return bytes_of(image, (size_t)IP_PIXELS); }
 static struct eyesim_bytes colours_of(const BYTE *image) { return bytes_of(image, (size_t)IP_SIZE); }
 
+/* Reports an image of `len` bytes that the function that returns to `site` should write. */
+static _Noreturn void fail_image(const void *site, size_t len, int width, int height)
+{
+    char text[160];
+    snprintf(text, sizeof text, "an image of %d x %d pixels has %zu bytes, more than the local array that it should be written to",
+             width, height, len);
+    fail_at(site, FAILED_IMAGE, text);
+}
+
 /* Buffer for an image of `items` items. A buffer that extends beyond the program's part of the stack is refused, since behind
    it lies memory that the simulator needs to report errors. */
-static struct eyesim_room image_room(void *image, int items, size_t item)
+PART struct eyesim_room image_room(void *image, int items, size_t item, int width, int height)
 {
     const char *start = image, *end = (const char *)this_task()->base;
     size_t len = items > 0 ? (size_t)items : 0;
     if (start > (const char *)__builtin_frame_address(0) && start < end && len > (size_t)(end - start) / item)
-        fail(FAILED_IMAGE, "an image is larger than the local array that it should be written to");
+        fail_image(__builtin_return_address(0), len * item, width, height);
     return room_of(image, len);
 }
 
-static struct eyesim_room grey_room(BYTE *image) { return image_room(image, IP_PIXELS, 1); }
-static struct eyesim_room colour_room(BYTE *image) { return image_room(image, IP_SIZE, 1); }
+PART struct eyesim_room grey_room(BYTE *image) { return image_room(image, IP_PIXELS, 1, IP_WIDTH, IP_HEIGHT); }
+PART struct eyesim_room colour_room(BYTE *image) { return image_room(image, IP_SIZE, 1, IP_WIDTH, IP_HEIGHT); }
 
 /* ---- LCD ---- */
 
@@ -192,28 +201,28 @@ WEAK int CAMInit(int resolution)
 WEAK int CAMGet(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS(CAMGet, image_room(buf, CAMSIZE, 1), &result);
+    ROBIOS(CAMGet, image_room(buf, CAMSIZE, 1, CAMWIDTH, CAMHEIGHT), &result);
     return result;
 }
 
 WEAK int CAMGetGray(BYTE *buf)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetGray, image_room(buf, CAMPIXELS, 1), &result);
+    ROBIOS(CAMGetGray, image_room(buf, CAMPIXELS, 1, CAMWIDTH, CAMHEIGHT), &result);
     return result;
 }
 
 WEAK int CAMGetDepth(float *mm)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetDepth, image_room(mm, CAMPIXELS, sizeof *mm), &result);
+    ROBIOS(CAMGetDepth, image_room(mm, CAMPIXELS, sizeof *mm, CAMWIDTH, CAMHEIGHT), &result);
     return result;
 }
 
 WEAK int CAMGetLabels(int *labels)
 {
     int32_t result = 0;
-    ROBIOS(CAMGetLabels, image_room(labels, CAMPIXELS, sizeof *labels), &result);
+    ROBIOS(CAMGetLabels, image_room(labels, CAMPIXELS, sizeof *labels, CAMWIDTH, CAMHEIGHT), &result);
     return result;
 }
 
