@@ -85,6 +85,16 @@ fn a_pipe_takes_a_table_and_its_closing_ends_the_run() {
 }
 
 #[test]
+fn the_microphone_of_robios_6_is_in_the_trace() {
+    let scratch = scene("return AUCaptureMic() != 512;");
+    run(&scratch, "t.jsonl", 0);
+    let is_reading = |line: &&serde_json::Value| line["device"] == "microphone" && line["robot"] == 1;
+    let trace = scratch.trace("t.jsonl");
+    let values: Vec<_> = trace.iter().filter(is_reading).map(|line| line["value"].as_i64()).collect();
+    assert_eq!(values, [Some(512)]);
+}
+
+#[test]
 fn a_signal_ends_the_wait_for_the_reader_of_a_pipe() {
     let scratch = scene("return 0;");
     assert!(Command::new("mkfifo").arg(scratch.path().join("fifo")).status().expect("mkfifo").success());

@@ -139,16 +139,20 @@ fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32>
     Some(rate_hz)
 }
 
-/// `AUCaptureMic`: returns the microphone's value, scaled from 8 to 10 bits.
-pub fn microphone_6(robot: &Robot) -> i32 {
-    4 * i32::from(robot.spec.inputs.microphone)
+/// `AUCaptureMic`: returns the microphone's value, scaled from 8 to 10 bits, and records it.
+pub fn microphone_6(robot: &mut Robot) -> i32 {
+    read_microphone(robot, 4)
 }
 
 /// `AUMicrophone`: returns the microphone's value, which has 8 bits, and records it.
 pub fn microphone_7(robot: &mut Robot) -> i32 {
-    let value = robot.spec.inputs.microphone;
+    read_microphone(robot, 1)
+}
+
+fn read_microphone(robot: &mut Robot, scale: i32) -> i32 {
+    let value = scale * i32::from(robot.spec.inputs.microphone);
     robot.record(Event::Reading { device: "microphone", value: value.into() });
-    value.into()
+    value
 }
 
 /// Rate and length of the sample in a WAV file.
