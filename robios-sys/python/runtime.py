@@ -719,9 +719,12 @@ def _call_location():
 def _int(value, low, high, name):
     """An integer within bounds; fractions are truncated, as in C."""
     try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError
         number = int(_pointee(value).value if isinstance(value, (_SIMPLE, _REFERENCE)) else value)
     except (TypeError, ValueError, OverflowError):
         cause = ": check how it is calculated, in this line or above" if isinstance(value, float) else ""
+        cause = f": `int({value!r})` is one" if isinstance(value, str) and value.isdigit() else cause
         raise TypeError(f"{name}: expected a number, got {value!r}{cause}") from None
     if not low <= number <= high:
         raise OverflowError(f"{name}: {number} is not within {low} to {high}")

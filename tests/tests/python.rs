@@ -123,6 +123,10 @@ try:
     VWStraight(1e12, 200)
 except OverflowError as error:
     print(error)
+try:
+    VWSetSpeed("100", 0)
+except TypeError as error:
+    print(error)
 "#,
     );
     let said = said(&scratch, &["--args", "1:--kp 0.5"], 0);
@@ -136,6 +140,7 @@ except OverflowError as error:
     assert!(said[7].ends_with(" 0 1") && !said[7].starts_with("0 "), "{}", said[7]);
     assert_eq!(said[8], "VWStraight: expected a number, got 'far'");
     assert!(said[9].starts_with("VWStraight: 1000000000000 is not within"), "{}", said[9]);
+    assert_eq!(said[10], "VWSetSpeed: expected a number, got '100': `int('100')` is one");
 }
 
 #[test]
