@@ -31,6 +31,21 @@ fn example_programs_give_the_digest_that_they_give_on_threads() {
     }
 }
 
+#[test]
+fn output_past_the_simulator_is_cut_and_cannot_change_the_terminal() {
+    let scratch = Scratch::new();
+    let program = "#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\nstatic char many[3 << 20];\n\
+        int main(void)\n{\n    syscall(SYS_write, 2, \"\\033[2Jraw\\n\", 8);\n    memset(many, 'x', sizeof many);\n\
+        syscall(SYS_write, 1, many, sizeof many);\n    return 0;\n}\n";
+    scratch.write("raw.c", program);
+    write_scene(&scratch, &["raw.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim", "--exec", "process"]);
+    assert_eq!(ran.code, Some(0), "{:.2000}", ran.stderr);
+    assert!(ran.stderr.contains("?[2Jraw\n") && !ran.stderr.contains('\x1b'), "{:.2000}", ran.stderr);
+    assert!(ran.stderr.contains("more than 1048 kB past the simulator"), "{:.2000}", ran.stderr);
+    assert!(ran.stderr.len() < 2 << 20, "{} bytes", ran.stderr.len());
+}
+
 const MANY_CALLS: &str = r#"
     #include <assert.h>
     #include <stdio.h>

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
@@ -37,6 +38,9 @@ const LOAD_TIMEOUT: f64 = 10.0;
 /// Time within which an overdue child must report its location before it is killed.
 const REPORT_TIMEOUT: Duration = Duration::from_millis(300);
 
+/// Time within which the last output of a process must be printed; our choice.
+const OUTPUT_TIMEOUT: Duration = Duration::from_millis(100);
+
 /// A robot's process.
 pub struct Child {
     process: Mutex<Process>,
@@ -63,6 +67,8 @@ pub struct Child {
     pub(super) callbacks: Mutex<BTreeMap<(u64, u64), Box<dyn Any + Send>>>,
     /// Scratch folder of a restricted process, with its limits.
     scratch: Option<Scratch>,
+    /// The thread that prints what the process prints past the simulator.
+    output: Mutex<Option<JoinHandle<()>>>,
 }
 
 struct Process {
@@ -97,21 +103,20 @@ struct TaskChannels {
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
-    /// A restricted process has a folder `scratch` and prints to a pipe; its output is truncated and shown without control characters.
+    /// A restricted process has a folder `scratch`. What a process prints past the simulator goes through a pipe; it is truncated and shown
+    /// without control characters.
     ///
     /// # Errors
     /// The system lacks the resources for another process, or the command does not exist.
     pub fn start(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
         let channels = Channels::new()?;
         command.stdin(Stdio::from(channels.file()?)).process_group(0);
-        if scratch.is_some() {
-            let (reader, writer) = io::pipe()?;
-            command.stdout(writer.try_clone()?).stderr(writer);
-            output::forward(reader)?;
-        } else {
-            command.stdout(Stdio::from(io::stderr()));
-        }
-        Self::spawn(command, channels, false, scratch)
+        let (reader, writer) = io::pipe()?;
+        command.stdout(writer.try_clone()?).stderr(writer);
+        let output = output::forward(reader)?;
+        let child = Self::spawn(command, channels, false, scratch)?;
+        *child.output.lock() = Some(output);
+        Ok(child)
     }
 
     /// Like [`Child::start`], for a command that is not this binary and cannot [protect the host](protect_host) itself.
@@ -158,6 +163,7 @@ impl Child {
             last_call: AtomicU16::new(u16::MAX),
             callbacks: Mutex::default(),
             scratch,
+            output: Mutex::default(),
         })
     }
 
@@ -176,11 +182,14 @@ impl Child {
     pub fn make_room(children: usize) {
         /// Number of open files that do not belong to children.
         const OTHERS: usize = 256;
+        /// Channel and output.
+        const PER_CHILD: usize = 2;
+        let needed = (PER_CHILD * children + OTHERS) as u64;
         let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
         // SAFETY: both calls get one valid limit; if they fail, starting a child fails later with a message.
         unsafe {
-            if libc::getrlimit(libc::RLIMIT_NOFILE, &mut limit) == 0 && limit.rlim_cur < (children + OTHERS) as u64 {
-                limit.rlim_cur = limit.rlim_max.min((children + OTHERS) as u64);
+            if libc::getrlimit(libc::RLIMIT_NOFILE, &mut limit) == 0 && limit.rlim_cur < needed {
+                limit.rlim_cur = limit.rlim_max.min(needed);
                 libc::setrlimit(libc::RLIMIT_NOFILE, &limit);
             }
         }
@@ -482,5 +491,11 @@ impl Child {
 impl Drop for Child {
     fn drop(&mut self) {
         self.end(Instant::now());
+        // Processes that the program has left behind may hold the pipe open.
+        let deadline = Instant::now() + OUTPUT_TIMEOUT;
+        let is_open = |output: &JoinHandle<()>| !output.is_finished() && Instant::now() < deadline;
+        while self.output.lock().as_ref().is_some_and(is_open) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! Output that a restricted process writes to its own standard output and error, bypassing the simulator.
+//! Output that a robot's process writes to its own standard output and error, bypassing the simulator.
 
 use std::io::{self, PipeReader, Read as _, Write as _};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 /// Maximum number of bytes of this output that are shown per process; our choice.
 const MAX_BYTES: usize = 1 << 20;
@@ -12,7 +12,7 @@ const MAX_BYTES: usize = 1 << 20;
 ///
 /// # Errors
 /// The system lacks the resources for the thread.
-pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
+pub fn forward(mut pipe: PipeReader) -> io::Result<JoinHandle<()>> {
     let copy = move || {
         let mut remaining = MAX_BYTES;
         let mut buffer = [0; 1 << 14];
@@ -36,7 +36,7 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
             }
         }
     };
-    thread::Builder::new().name("output".to_owned()).spawn(copy).map(drop)
+    thread::Builder::new().name("output".to_owned()).spawn(copy)
 }
 
 /// Replaces control characters other than line feed and tab by `?`.
