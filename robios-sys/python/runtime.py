@@ -740,26 +740,43 @@ def _bytes(value, name):
 _SLICE_US = 10000
 
 
-def _wait_by_polling(name, values):
+def _receive_if_any(row, values):
+    """Receives a message before another thread can take it; returns None if there is none."""
+    _token.enter_call()
+    try:
+        return _request(row, values) if _request(_RADIOCheck, ())[-1] else None
+    finally:
+        _token.leave_call()
+
+
+def _wait_by_polling(row, values):
     """Executes a waiting call by polling, so that other threads of the program can make calls in between. Returns None if the normal
     blocking call should be used."""
+    name = row[0]
     if name == "OSWait" or name == "sleep_us":
         _token.wait(_never, _now_us() + (1000 if name == "OSWait" else 1) * int(values[0]))
         return [_Number(0)]
-    polled_calls = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead, "RADIOReceive": _RADIOCheck}
-    if name not in polled_calls or name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
+    if name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
         return None
-    answer = _call(polled_calls[name])[-1]
-    while not answer:
-        _token.wait(_never, _now_us() + _SLICE_US)
+    polled_calls = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead}
+
+    def poll():
+        if name == "RADIOReceive":
+            return _receive_if_any(row, values)
         answer = _call(polled_calls[name])[-1]
-    return {"VWWait": [_Number(0)], "RADIOReceive": None}.get(name, [answer])
+        return [_Number(0) if name == "VWWait" else answer] if answer else None
+
+    outputs = poll()
+    while outputs is None:
+        _token.wait(_never, _now_us() + _SLICE_US)
+        outputs = poll()
+    return outputs
 
 
 def _call(row, *values):
     """Calls a table function; returns its outputs in order, then its result."""
     if row[0] in _WAITING and _has_threads() and not _token.is_calling():
-        answer = _wait_by_polling(row[0], values)
+        answer = _wait_by_polling(row, values)
         if answer is not None:
             return answer
     return _request(row, values)

@@ -440,6 +440,34 @@ print(RADIORelease(), RADIORelease())
 }
 
 #[test]
+fn threads_in_python_receive_one_message_each() {
+    if !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        println!("skipped: there is no `python3`");
+        return;
+    }
+    let scratch = row(&["receive.py", "send.py"], "");
+    let receive = "
+import threading
+from eye import *
+RADIOInit()
+def receive():
+    sender, text = RADIOReceive()
+    print(sender, text, OSGetCount() // 100)
+thread = threading.Thread(target=receive)
+thread.start()
+receive()
+thread.join()
+";
+    scratch.write("receive.py", receive);
+    scratch.write(
+        "send.py",
+        "from eye import *\nRADIOInit()\nfor text in 'ab':\n    OSWait(1000)\n    RADIOSend(1, text)\n",
+    );
+    let (_, trace) = traced(&scratch, &[], 0);
+    assert_eq!(printed(&trace, 1), ["2 a 10", "2 b 20"], "a thread that waits does not hold back the other");
+}
+
+#[test]
 fn what_a_robios_7_program_sent_goes_out_after_its_end() {
     let leader = "
         #include \"eyebot.h\"
