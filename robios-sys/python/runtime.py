@@ -479,6 +479,7 @@ class _RunToken:
         self.changes = 0  # number of changes by threads without the token
         self.started = set()  # identities of the threads that the program has started and that have not ended
         self.error = None  # exception of a timer's function, for the main thread
+        self.has_hinted = False
 
     def is_calling(self):
         """Returns True in a function that the simulator has called during a call of this thread."""
@@ -662,9 +663,24 @@ class _RunToken:
                 spent_ns, waited_ns = _processor_time_ns() - cpu_ns, _real_time_ns() - since_ns
                 if spent_ns < _PATIENCE_NS and (waited_ns < _PATIENCE_NS or spent_ns > waited_ns // 100):
                     continue
-                self.holder, self.caller = turn, turn.thread
+                busy, self.holder, self.caller = self.holder, turn, turn.thread
+            if spent_ns >= _PATIENCE_NS and not _imports:
+                self._hint_at(busy)
             self._pass_on()
 
+    def _hint_at(self, busy):
+        """Prints a hint, once in each program, about a thread that has lost the token because it has run for long without a call."""
+        if self.has_hinted or _is_stopped:
+            return
+        self.has_hinted = True
+        try:
+            _request(_support_hint, (_BUSY_HINT,), _sys._current_frames().get(busy.thread))
+        except _Stop:
+            pass  # `_pass_on` lets all threads continue
+
+
+_BUSY_HINT = b"this thread has run for 0.2 s of processor time without a call; now the other threads run beside it, and results may depend on the \
+machine: a loop that waits for another thread (`get_nowait`, `empty`, `is_set`) needs a call that waits, such as `OSWait(10)`"
 
 # Processor time, and real time without any, after which the other threads of the program do not wait for the running one.
 _PATIENCE_NS = 200_000_000
@@ -708,9 +724,8 @@ def _refuse():
     raise _Stop
 
 
-def _call_location():
-    """File and line in the program of the call in progress."""
-    frame = _sys._getframe(1)
+def _location(frame):
+    """File and line in the program of a frame, or of its innermost caller there."""
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
     return ("", 0) if frame is None else (_os.path.basename(frame.f_code.co_filename), frame.f_lineno)
@@ -801,7 +816,8 @@ def _hint_at_truncation(name, value):
         _call(_support_hint, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
 
 
-def _request(row, values):
+def _request(row, values, frame=None):
+    """Executes a call, at the place in the program of `frame`, by default of the running thread."""
     global _callback_error, _clock_readings, _is_stopped
     name, function_list, number, kinds, result = row
     if _channel is None:
@@ -810,7 +826,7 @@ def _request(row, values):
         _refuse()
     if row is not _support_time_us:
         _clock_readings = 0
-    file, line = _call_location()
+    file, line = _location(frame or _sys._getframe())
     file = file.encode("utf-8", "replace")
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
     for kind, value in zip(kinds, values):

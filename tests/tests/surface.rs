@@ -175,6 +175,22 @@ fn threads_of_python_call_in_the_same_order_in_each_run() {
 }
 
 #[test]
+fn a_thread_of_python_that_polls_without_a_call_is_told() {
+    if !has("python3", "pass") {
+        return;
+    }
+    let program = "import queue, threading\nfrom eye import *\njobs = queue.Queue()\n\
+        threading.Thread(target=lambda: (OSWait(50), jobs.put(1))).start()\n\
+        def take():\n    while True:\n        try:\n            return jobs.get_nowait()\n        except queue.Empty:\n            pass\n\
+        print('took', take())\n";
+    let (_, ran) = run(&[("a.py", program)], "a.py", &[]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stdout.contains("] took 1\n"), "{ran:#?}");
+    let hint = "hint: this thread has run for 0.2 s of processor time without a call;";
+    assert_eq!(ran.stderr.matches(hint).count(), 1, "{ran:#?}");
+}
+
+#[test]
 fn threads_of_python_that_wait_for_each_other_are_told() {
     if !has("python3", "pass") {
         return;
