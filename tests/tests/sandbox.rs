@@ -152,7 +152,7 @@ const HOSTILE: &[(&str, &str, &str)] = &[
         "without a RoBIOS call",
     ),
     ("endless loop", "for (;;) ;", "without a RoBIOS call"),
-    ("exit at once", "syscall(SYS_exit_group, 0);", "without a word"),
+    ("exit at once", "syscall(SYS_exit_group, 0);", "without a message"),
     ("threads", "for (;;) { pthread_t t; pthread_create(&t, 0, idle, 0); }", ""),
     ("fork bomb", "for (;;) if (fork() < 0) return 3;", "exit code 3"),
     (

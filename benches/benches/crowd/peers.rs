@@ -58,13 +58,13 @@ const SIMULATORS: [Simulator; 9] = [
     Simulator { name: "MuJoCo wheels", kind: Kind::MuJoCo(["wheels", "library"]), max_robots: 1_000, steps: STEPS },
     Simulator { name: "ir-sim", kind: Kind::IrSim, max_robots: 1_000, steps: STEPS },
     Simulator {
-        name: "MuJoCo planar, grid of ours",
+        name: "MuJoCo planar, our grid",
         kind: Kind::MuJoCo(["planar", "grid"]),
         max_robots: 10_000,
         steps: STEPS,
     },
     Simulator {
-        name: "MuJoCo wheels, grid of ours",
+        name: "MuJoCo wheels, our grid",
         kind: Kind::MuJoCo(["wheels", "grid"]),
         max_robots: 1_000,
         steps: STEPS,

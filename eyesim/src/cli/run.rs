@@ -84,7 +84,7 @@ pub struct RunArgs {
     /// Number of robots that run at the same time [default: one for each processor]
     #[arg(long, value_name = "NUMBER", value_parser = parse_threads, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
-    /// Where programs run: on threads of this process, or each in its own process, where a fault ends only its robot
+    /// Where programs run: on threads of this process, or each in its own process, where a crash ends only its robot
     #[arg(long, value_name = "WHERE", value_parser = exec_parser(), default_value = "auto")]
     pub exec: Exec,
     /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other

@@ -399,9 +399,9 @@ pub struct RobotLine {
 /// Display options of the window, from EyeSim VR's `settings` line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// True to show the beams of distance sensors (`VIS`).
+    /// True to show the beams of distance sensors (`VIS`); kept for conversions, without effect.
     pub shows_beams: bool,
-    /// True to show the paths of the robots (`TRACE`).
+    /// True to show the paths of the robots (`TRACE`); kept for conversions, without effect.
     pub shows_trace: bool,
 }
 

@@ -47,7 +47,7 @@ impl Form for SimSpec {
         if keys.reading().is_some() {
             world.store_in(self);
         }
-        keys.key("settings", "Settings of the window.").optional(TABLE, &mut self.settings);
+        keys.key("settings", "Settings of EyeSim's window, without effect.").optional(TABLE, &mut self.settings);
         keys.key("radio", "Medium of the messages between robots.")
             .optional(TableWithExample("medium = \"aloha\", baud = 9600"), &mut self.radio);
         type_and_robot_keys(keys, self);
@@ -233,9 +233,11 @@ impl Kind<Vec<CostEntry>> for GenerationCosts {
 
 impl Form for Settings {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("SettingsForm", "Settings of the window.");
-        keys.key("beams", "The beams of distance sensors; default: false.").flag(&mut self.shows_beams);
-        keys.key("trace", "The paths of the robots; default: false.").flag(&mut self.shows_trace);
+        keys.form("SettingsForm", "Settings of EyeSim's window, without effect.");
+        keys.key("beams", "`VIS` of sim files, without effect: the window shows beams anyway; default: false.")
+            .flag(&mut self.shows_beams);
+        keys.key("trace", "`TRACE` of sim files, without effect: the window shows paths anyway; default: false.")
+            .flag(&mut self.shows_trace);
     }
 }
 

@@ -120,7 +120,7 @@ fn read_header<'t>(
             [key, side] if ["height", "width"].contains(&key.text) => match side.text.parse::<u64>() {
                 Ok(number) => sides[usize::from(key.text == "width")] = Some((number, side.span)),
                 Err(_) => {
-                    let message = format!("`{}` is no number of cells", side.text);
+                    let message = format!("`{}` is not a number of cells", side.text);
                     sink.error(Code::MapKey, side.span, message, HEADER_SYNTAX);
                 }
             },

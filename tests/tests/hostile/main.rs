@@ -180,7 +180,7 @@ fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String
         return Some("ends with 0 although the program failed".to_owned());
     }
     if *code != Some(0) && said.trim().is_empty() && told.signal.is_none() && *code != Some(137) {
-        return Some("ends without a word".to_owned());
+        return Some("ends without a message".to_owned());
     }
     if said.contains('\x1b') || said.contains('\x07') {
         return Some("steers the terminal".to_owned());

@@ -460,7 +460,7 @@ impl Child {
                 self.broken("the system has no room for another task in its process: see `ulimit -v` and `ulimit -u`")
             }
             (_, code) => {
-                self.broken(&format!("its process ended (exit code {}) without a word", code.unwrap_or_default()))
+                self.broken(&format!("its process ended (exit code {}) without a message", code.unwrap_or_default()))
             }
         }
     }
