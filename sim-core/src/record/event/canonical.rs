@@ -12,11 +12,13 @@ pub trait Canonical {
 
 /// Appends `value` seven bits at a time, the lowest first; all bytes but the last have the highest bit set.
 #[inline]
-fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
-    if value < 0x80 {
-        bytes.push(value as u8);
-        return;
-    }
+fn write_varint(value: u64, bytes: &mut Vec<u8>) {
+    if value < 0x80 { bytes.push(value as u8) } else { write_long_varint(value, bytes) }
+}
+
+/// Implements [`write_varint`] for values of several bytes, so that the other case is inlined.
+#[inline(never)]
+fn write_long_varint(mut value: u64, bytes: &mut Vec<u8>) {
     if value < 1 << 56 {
         // Spreads groups of seven bits over bytes, in halves, quarters and eighths of the word, without a loop.
         let mut spread = (value & 0xfff_ffff) | (value & 0xff_ffff_f000_0000) << 4;
