@@ -196,7 +196,11 @@ mod tests {
 
     #[test]
     fn random_times_depend_only_on_seed_and_name() {
-        let named = |name| fault(name, FaultTime::Random { per_minute: 1.0 }, Some(1.0));
+        // Each on a robot of its own: overlapping faults of one radio would end together.
+        let named = |name: &str| FaultSpec {
+            robot: RobotId(if name == "a" { 1 } else { 2 }),
+            ..fault(name, FaultTime::Random { per_minute: 1.0 }, Some(1.0))
+        };
         let both = times(&[named("a"), named("b")], 3);
         let [a, b] = ["a", "b"].map(|name| times(&[named(name)], 3));
         assert_ne!(a, b);
