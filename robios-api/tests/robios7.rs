@@ -108,7 +108,7 @@ fn keys_touches_and_colours_follow_the_script() {
     let fake = Fake::new().key(1.seconds(), Key::Key2).touch(2.seconds(), Pixel { x: 30, y: 40 });
     let run = run(fake, |robot| {
         let lcd = robot.lcd();
-        assert_eq!(lcd.size(), Pixel { x: 320, y: 240 });
+        assert_eq!(lcd.size(), Pixel { x: 480, y: 320 });
         lcd.menu(["GO", "", "", "END"]);
         assert_eq!(robot.wait_for_any_key(), Key::Key2);
         assert_eq!(robot.touch(), None);

@@ -14,6 +14,13 @@ fn scene(body: &str) -> Scratch {
     scratch
 }
 
+/// Gives the robot of a scene a display of another size.
+fn resize_display(scratch: &Scratch, width: u32, height: u32) {
+    scratch.write("s4.robi", "diameter 200\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n");
+    scratch.write("s4.toml", &format!("[lcd]\nwidth_px = {width}\nheight_px = {height}\n"));
+    scratch.write("draw.sim", &SIM.replace("S4 1000 1000 0 draw.c", "robi s4.robi draw.c 1000 1000 0"));
+}
+
 /// Rows of text on the display of robot 1 at the end.
 fn rows(report: &serde_json::Value) -> Vec<String> {
     let rows = report["robots"][0]["lcd"].as_array().expect("rows");
@@ -33,7 +40,7 @@ fn text_and_menu_are_reported() {
         LCDMenuI(2, \"BACK\", WHITE, RED);",
     );
     let report = scratch.report("draw.sim", &[], 0);
-    assert_eq!(rows(&report), ["one", "two 2", "", "", "          x=1.5", "4 15 320 240", "GO | BACK |  | END"]);
+    assert_eq!(rows(&report), ["one", "two 2", "", "", "          x=1.5", "4 15 480 320", "GO | BACK |  | END"]);
 }
 
 #[test]
@@ -46,10 +53,10 @@ fn every_function_draws_what_it_says() {
         #define BAD(call) if ((call) != 1) LCDPrintf(\"%d\\n\", __LINE__), failures++
         OK(LCDPixel(200, 100, 0x123456)); EXPECT(200, 100, 0x123456); EXPECT(201, 100, BLACK);
         OK(LCDPixelInvert(200, 100)); EXPECT(200, 100, 0xEDCBA9);
-        OK(LCDPixel(-1, 5, RED)); OK(LCDPixel(320, 240, RED)); EXPECT(320, 240, BLACK); EXPECT(-2147483647, 0, BLACK);
+        OK(LCDPixel(-1, 5, RED)); OK(LCDPixel(480, 320, RED)); EXPECT(480, 320, BLACK); EXPECT(-2147483647, 0, BLACK);
         OK(LCDLine(210, 100, 220, 110, GREEN)); EXPECT(210, 100, GREEN); EXPECT(215, 105, GREEN); EXPECT(220, 110, GREEN);
         OK(LCDLineInvert(210, 100, 220, 110)); EXPECT(215, 105, MAGENTA);
-        OK(LCDLine(-2147483647, 130, 2147483647, 130, NAVY)); EXPECT(0, 130, NAVY); EXPECT(319, 130, NAVY);
+        OK(LCDLine(-2147483647, 130, 2147483647, 130, NAVY)); EXPECT(0, 130, NAVY); EXPECT(479, 130, NAVY);
         OK(LCDArea(240, 100, 250, 110, ORANGE, 1)); EXPECT(240, 100, ORANGE); EXPECT(250, 110, ORANGE); EXPECT(251, 110, BLACK);
         OK(LCDArea(260, 100, 270, 110, ORANGE, 0)); EXPECT(260, 105, ORANGE); EXPECT(265, 105, BLACK); EXPECT(270, 110, ORANGE);
         OK(LCDAreaInvert(240, 100, 242, 102)); EXPECT(241, 101, 0x005AFF);
@@ -69,8 +76,8 @@ fn every_function_draws_what_it_says() {
         OK(LCDSetColor(BLUE, YELLOW)); OK(LCDSetPos(12, 20)); OK(LCDPrintf(\" \")); EXPECT(120, 156, YELLOW);
         OK(LCDSetColor(WHITE, BLACK)); OK(LCDSetMode(LCD_BGCOL_INVERSE)); OK(LCDSetPrintf(12, 20, \" \")); EXPECT(120, 156, WHITE);
         OK(LCDSetMode(LCD_BGCOL_NOINVERSE)); OK(LCDRefresh());
-        BAD(LCDMenuI(0, \"x\", RED, RED)); BAD(LCDMenuI(5, \"x\", RED, RED)); OK(LCDMenuI(4, \"\", BLACK, TEAL)); EXPECT(310, 235, TEAL);
-        OK(LCDSetMode(LCD_HIDEMENU)); EXPECT(310, 235, BLACK);
+        BAD(LCDMenuI(0, \"x\", RED, RED)); BAD(LCDMenuI(5, \"x\", RED, RED)); OK(LCDMenuI(4, \"\", BLACK, TEAL)); EXPECT(470, 315, TEAL);
+        OK(LCDSetMode(LCD_HIDEMENU)); EXPECT(470, 315, BLACK);
         OK(LCDSetPrintf(-5, 99, \"beside\")); OK(LCDSetPrintf(2147483647, -2147483647, \"beside\"));
         OK(LCDClear()); EXPECT(200, 150, BLACK);
         LCDPrintf(\"failures %d\", failures);",
@@ -106,7 +113,7 @@ fn keys_and_touches_come_from_the_script() {
         LCDPrintf(\"key as touch %d %d\\n\", x, y);
         LCDPrintf(\"no key %d\\n\", KEYWait(0));",
     );
-    let keys = "1:TOUCH(120,40), 2:KEY2, 3:TOUCH(319,239), 4:KEY1, 5:KEY4, 6:KEY3, 7:KEY1";
+    let keys = "1:TOUCH(120,40), 2:KEY2, 3:TOUCH(479,319), 4:KEY1, 5:KEY4, 6:KEY3, 7:KEY1";
     let report = scratch.report("draw.sim", &["--keys", keys], 0);
     assert_eq!(
         rows(&report)[..10],
@@ -118,7 +125,7 @@ fn keys_and_touches_come_from_the_script() {
             "xy 0 120 40",
             "wait 8",
             "any 4",
-            "key as touch 40 224",
+            "key as touch 60 304",
             "no key -1",
             ""
         ]
@@ -161,6 +168,7 @@ fn a_list_menu_scrolls_and_is_touched() {
         printf(\"%s %d\\n\", LCDListActiveItem()->label, LCDGetPixel(300, 30) == RED);",
     );
     scratch.write("draw.c", &format!("#include <stdio.h>\n{}", scratch.read("draw.c")));
+    resize_display(&scratch, 320, 240);
     // The menu has 208 / 26 = 8 lines: title, up, five items, down.
     let keys = "1:TOUCH(100,190), 2:TOUCH(100,190), 3:TOUCH(100,90), 4:KEY4, 5:TOUCH(160,120)";
     let report = scratch.report("draw.sim", &["--keys", keys, "--trace", "t.jsonl"], 0);
@@ -200,7 +208,8 @@ fn a_shot_shows_the_display_of_either_generation() {
         "old.c",
         "#include \"eyebot.h\"\nint main(void) { LCDSetPixel(3, 5, 1); OSMTStatus(); return KEYWait(KEY1); }\n",
     );
-    scratch.write("draw.sim", &format!("{SIM}S4 500 500 0 old.c\n"));
+    resize_display(&scratch, 320, 240);
+    scratch.write("draw.sim", &format!("{}S4 500 500 0 old.c\n", scratch.read("draw.sim")));
     let shot = |args: &[&str]| scratch.eyesim(&[&["shot", "draw.sim"], args].concat());
 
     let ran = shot(&["--lcd", "--bare", "--scale", "1", "--at", "1.5", "-o", "early.png"]);
@@ -260,11 +269,9 @@ fn the_companion_gives_the_display_its_size() {
     let scratch = scene(
         "    int x, y;
         LCDGetSize(&x, &y);
-        LCDPixel(479, 319, RED);
-        LCDPrintf(\"%d %d %d\", x, y, LCDGetPixel(479, 319) == RED);",
+        LCDPixel(399, 299, RED);
+        LCDPrintf(\"%d %d %d\", x, y, LCDGetPixel(399, 299) == RED);",
     );
-    scratch.write("s4.robi", "diameter 200\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n");
-    scratch.write("s4.toml", "[lcd]\nwidth_px = 480\nheight_px = 320\n");
-    scratch.write("draw.sim", "world field.wld\nrobi s4.robi draw.c 1000 1000 0\n");
-    assert_eq!(rows(&scratch.report("draw.sim", &[], 0)), ["480 320 1", ""]);
+    resize_display(&scratch, 400, 300);
+    assert_eq!(rows(&scratch.report("draw.sim", &[], 0)), ["400 300 1", ""]);
 }

@@ -20,6 +20,6 @@ int main(void)
 }
 
 /* Prints
- * 320 x 240 pixels, cursor in row 2, column 10
+ * 480 x 320 pixels, cursor in row 2, column 10
  * middle 0xFF0000
  */

@@ -12,5 +12,5 @@ print(f"{width} x {height} pixels, cursor in row {row}, column {column}")
 print(f"middle 0x{LCDGetPixel(width // 2, height // 2):06X}")
 
 # Prints
-# 320 x 240 pixels, cursor in row 2, column 10
+# 480 x 320 pixels, cursor in row 2, column 10
 # middle 0xFF0000

@@ -144,8 +144,8 @@ impl Robios7 for FakeRobot {
 
     fn LCDGetSize(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
         self.act(|_| ())?;
-        x.set(320);
-        y.set(240);
+        x.set(480);
+        y.set(320);
         Ok(0)
     }
 

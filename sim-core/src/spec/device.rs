@@ -224,7 +224,7 @@ pub struct LcdSpec {
 impl Default for LcdSpec {
     /// The window of EyeSim VR.
     fn default() -> Self {
-        Self { width: 320, height: 240 }
+        Self { width: 480, height: 320 }
     }
 }
 

@@ -206,10 +206,10 @@ fn companion_sets_mass_and_scanner() {
 #[test]
 fn companion_sets_the_size_of_the_display() {
     let mut robi = robi("wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
-    assert_eq!((robi.lcd.width, robi.lcd.height), (320, 240));
-    assert_eq!(read_companion("r.toml", "[lcd]\nwidth_px = 480\nheight_px = 320\n", &mut robi), []);
     assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320));
+    assert_eq!(read_companion("r.toml", "[lcd]\nwidth_px = 320\nheight_px = 240\n", &mut robi), []);
+    assert_eq!((robi.lcd.width, robi.lcd.height), (320, 240));
     let diagnostics = read_companion("r.toml", "[lcd]\nwidth_px = 63\nheight_px = 1201\ndepth = 24\n", &mut robi);
     assert_eq!(diagnostics.len(), 3, "{diagnostics:?}");
-    assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320), "what is wrong changes nothing");
+    assert_eq!((robi.lcd.width, robi.lcd.height), (320, 240), "what is wrong changes nothing");
 }

@@ -10,7 +10,7 @@ const RED: Rgb = [255, 0, 0];
 const BLUE: Rgb = [0, 0, 255];
 
 fn written(text: &str) -> Screen {
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.write(text);
     screen
 }
@@ -97,7 +97,7 @@ proptest! {
     /// The visible display does not depend on when its pixels are allocated.
     #[test]
     fn lazy_and_eager_pixels_show_the_same(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
-        let (mut lazy, mut eager) = (Screen::default(), Screen::default());
+        let (mut lazy, mut eager) = (Screen::new([320, 240]), Screen::default());
         for (kind, a, b, text) in &steps {
             eager.draw(|_| 0);
             for screen in [&mut lazy, &mut eager] {
@@ -148,7 +148,7 @@ proptest! {
 
 #[test]
 fn a_robot_that_only_prints_needs_no_pixels() {
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     for row in 0..100 {
         screen.write(&format!("row {row}\n"));
         screen.set_position(3, 7);
@@ -193,11 +193,11 @@ fn text_is_placed_in_rows_and_columns() {
 fn text_scrolls_above_the_menu() {
     let rows = |screen: &mut Screen| (0..20).for_each(|row| screen.write(&format!("\n{row}")));
     // 240 / 13 = 18 rows; with the menu 16.
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     rows(&mut screen);
     let lines = screen.lines();
     assert_eq!((lines.len(), lines[0].as_str(), lines[17].as_str()), (19, "2", "19"));
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.set_menu_text(3, "END");
     rows(&mut screen);
     let lines = screen.lines();
@@ -210,7 +210,7 @@ fn text_scrolls_above_the_menu() {
 
 #[test]
 fn pixels_scroll_with_the_text() {
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.fill_area([100, 13], [110, 25], RED);
     screen.set_position(17, 0);
     screen.write("\n");
@@ -244,7 +244,7 @@ fn the_rasteriser_draws_the_same_everywhere() {
 #[test]
 fn colours_and_modes_of_text() {
     // A full block covers its whole cell.
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.set_colours(RED, BLUE);
     screen.write("\u{2588} ");
     assert_eq!([screen.pixel(3, 6), screen.pixel(9, 6)], [RED, BLUE]);
@@ -272,7 +272,7 @@ fn drawing_over_text_removes_it() {
 
 #[test]
 fn images_appear_at_the_set_corner() {
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.set_image_corner([318, 238]);
     let image = (0..12).map(|index| [index + 1, 0, 0]);
     assert_eq!(screen.show_image([4, 3], image), 4, "what is outside is left out");
@@ -282,7 +282,7 @@ fn images_appear_at_the_set_corner() {
 
 #[test]
 fn the_menu_covers_all_drawing() {
-    let mut screen = Screen::default();
+    let mut screen = Screen::new([320, 240]);
     screen.fill_area([0, 0], [319, 239], BLUE);
     assert_eq!(screen.pixel(5, 210), BLUE);
     screen.set_menu_text(0, "GO");
@@ -294,7 +294,7 @@ fn the_menu_covers_all_drawing() {
 
 #[test]
 fn a_touch_of_a_menu_field_presses_its_key() {
-    let screen = Screen::default();
+    let screen = Screen::new([320, 240]);
     let keys = [[0, 208], [79, 239], [80, 220], [240, 220], [319, 239]].map(|point| screen.key_at(point));
     assert_eq!(keys, [Some(0), Some(0), Some(1), Some(3), Some(3)]);
     for point in [[0, 207], [-1, 220], [320, 220], [5, 240]] {
