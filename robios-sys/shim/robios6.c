@@ -295,13 +295,6 @@ WEAK int CAMGetFrame(image *buf)
     return result;
 }
 
-WEAK int CAMGetColFrame(colimage *buf, int convert)
-{
-    int32_t result = 0;
-    ROBIOS(CAMGetColFrame, buf, convert, &result);
-    return result;
-}
-
 WEAK int CAMGetFrameMono(BYTE *buf)
 {
     int32_t result = 0;

@@ -217,3 +217,15 @@ WEAK int VWDriveReady(VWHandle handle)
     ROBIOS(VWDriveDone, handle, &result);
     return result;
 }
+
+/* A program may pass an `image` for the grey form, which the call writes to the start of a `colimage`. */
+WEAK int CAMGetColFrame(colimage *buf, int convert)
+{
+    colimage grey;
+    int32_t result = -1;
+    colimage *target = convert && buf != NULL ? &grey : buf;
+    ROBIOS(CAMGetColFrame, target, convert, &result);
+    if (target == &grey && result == 0)
+        memcpy(buf, grey, sizeof(image));
+    return result;
+}

@@ -151,11 +151,12 @@ int main(void)
     IS(CAMGetFrameRGB(0), -1); IS(CAMGetFrameBayer(0), -1); IS(CAMGetDepth(0), -1); IS(CAMGetLabels(0), -1);
     IS(CAMGetFrame(&grey), 0);
     IS(CAMGetColFrame(&colours, 0), 0);
+    ((BYTE *)converted)[sizeof grey] = 7;
     IS(CAMGetColFrame(&converted, 1), 0);
     IS(CAMGetFrameMono(mono), 0);
     IS(CAMGetFrameColor(rgb), 0);
     IS(memcmp(converted, grey, sizeof grey), 0);
-    IS(((BYTE *)converted)[sizeof grey], 0);
+    IS(((BYTE *)converted)[sizeof grey], 7);
     for (row = 0; row < 60; row++) {
         for (column = 0; column < 80; column++) {
             BYTE *pixel = colours[row + 1][column + 1];

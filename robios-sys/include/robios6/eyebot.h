@@ -368,7 +368,7 @@ int CAMRelease(void);
 int CAMGetFrame(image *buf);
 
 /* Takes a colour image and waits for it.
- * convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey at the start of the same buffer.
+ * convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey, of which only an `image` is written.
  * Returns 0, or -1 if there is no colour camera or buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, camera. */

@@ -196,9 +196,10 @@ function_table! {
         fn CAMGetFrame(buf: Out<Image>) -> i32 = -1;
 
         /// Takes a colour image and waits for it.
-        /// convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey at the start of the same buffer.
+        /// convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey, of which only an `image` is written.
         /// Returns 0, or -1 if there is no colour camera or buf is 0.
-        fn CAMGetColFrame(buf: Out<ColImage>, convert: i32) -> i32 = -1;
+        fn CAMGetColFrame(buf: Out<ColImage>, convert: i32) -> i32 = -1,
+            c "int CAMGetColFrame(colimage *buf, int convert)";
 
         /// Takes a grey image without border: 60 rows of 80 bytes. Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameMono(buf: Out<MonoFrame>) -> i32 = -1;

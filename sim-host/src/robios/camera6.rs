@@ -82,7 +82,7 @@ pub fn colour_frame(robot: &mut Robot, world: &World, buffer: &mut Out<ColImage>
         if convert == FALSE {
             return Ok(bordered(&camera::take_colour(robot, world)?, [0; 3]));
         }
-        // A grey image at the start of the buffer; the rest stays unchanged.
+        // A grey image at the start of the buffer, the part that the C library writes.
         let picture = camera::take_grey(robot, world)?;
         let grey = bordered(&picture, [0]);
         let mut buffer: ColImage = [[[0; 3]; IMAGE_COLUMNS]; IMAGE_ROWS];
