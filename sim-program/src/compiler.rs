@@ -33,7 +33,7 @@ const fn standards(language: Language) -> &'static [&'static str] {
 /// | `-O2` | image and map code in loops; `-O0` gives the same results: add it to step through a program |
 /// | `-fsigned-char` | `char` is signed as on the robot's processor, also on ARM |
 /// | `-fwrapv`, `-fno-delete-null-pointer-checks` | as with old compilers, overflow wraps, and a null pointer crashes where it is used |
-/// | `-fno-omit-frame-pointer` | the call stack can be walked after a crash |
+/// | `-fno-omit-frame-pointer`, `-fno-optimize-sibling-calls` | the call stack can be walked after a crash, and has each caller |
 /// | `-Wall`, `-Wmain` | warnings for beginners; `-Wmain` also shows that `main` returns nothing |
 pub const COMPILE_FLAGS: &[&str] = &[
     "-O2",
@@ -41,6 +41,7 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fwrapv",
     "-fno-delete-null-pointer-checks",
     "-fno-omit-frame-pointer",
+    "-fno-optimize-sibling-calls",
     "-Wall",
     "-Wmain",
     // Only some of these warnings are shown, see `plain::without_harmless_warnings`.

@@ -26,7 +26,10 @@ const MAX_BYTES: u64 = 256 << 20;
 pub fn missing_file(name: Option<&str>) -> String {
     let folder = std::env::current_dir().unwrap_or_default();
     match name {
-        Some(name) if Path::new(name).is_absolute() => format!("there is no file `{name}`"),
+        Some(name) if Path::new(name).is_absolute() => match Path::new(name).parent() {
+            Some(parent) if !parent.exists() => format!("there is no folder `{}`", parent.display()),
+            _ => format!("there is no file `{name}`"),
+        },
         Some(name) => format!("there is no file `{name}` in `{}`, the folder in which eyesim runs", folder.display()),
         None => format!(
             "a file is missing: names of files begin in `{}`, the folder in which eyesim runs",
