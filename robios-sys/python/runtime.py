@@ -110,6 +110,10 @@ class _Number(int):
     __slots__ = ()
     value = property(int)
 
+    def __bytes__(self):
+        """The bytes of a C `int` in memory."""
+        return _struct.pack("<I", self & 0xFFFFFFFF)
+
 
 # Python's messages contain the type's name, and students know the type by this name.
 _Number.__name__ = "int"
@@ -300,7 +304,8 @@ def _memory(value, size, name):
         try:
             view = memoryview(value)
         except TypeError:
-            raise TypeError(f"{name}: expected an image or buffer, got {value!r:.100}") from None
+            text = f", or a text: `str({value!r})`" if isinstance(value, (int, float)) else ""
+            raise TypeError(f"{name}: expected an image or buffer{text}, got {value!r:.100}") from None
         code = view.format.lstrip("<>=@!")
         if view.itemsize == 1 or isinstance(value, _ctypes.Array) or size is None:
             data = view.tobytes()
@@ -366,7 +371,9 @@ def _store(target, values, name):
 
 def _result_is_dropped():
     """True if the program discards the return value of the module's function that called the caller; read from the bytecode."""
-    frame = _sys._getframe(3)
+    frame = _sys._getframe()
+    while frame.f_code.co_filename in _own_files:
+        frame = frame.f_back
     code, offset = frame.f_code.co_code, frame.f_lasti + 2
     while offset < len(code) and code[offset] == _opcode.opmap.get("CACHE"):
         offset += 2
@@ -778,7 +785,7 @@ def _wait_by_polling(row, values):
     def poll():
         if name == "RADIOReceive":
             return _receive_if_any(row, values)
-        answer = _call(polled_calls[name])[-1]
+        answer = _request(polled_calls[name], ())[-1]
         return [_Number(0) if name == "VWWait" else answer] if answer else None
 
     outputs = poll()
@@ -788,8 +795,20 @@ def _wait_by_polling(row, values):
     return outputs
 
 
+# Functions with which a loop waits for something without letting time pass.
+_POLLING = {"KEYRead", "IRTVRead", "RADIOCheck", "VWDone", "OSGetCount", "time_us"}
+_poll_count = 0  # of calls of these functions in succession
+
+
 def _call(row, *values):
-    """Calls a table function; returns its outputs in order, then its result."""
+    """Calls a table function; returns its outputs in order, then its result. A loop that only polls takes 0.1 ms a turn after
+    100 turns, and 1 ms after 1000."""
+    global _poll_count
+    if row[0] in _POLLING and not _token.is_calling():
+        count = _poll_count + 1
+        if count > 100:
+            _call(_support_sleep_us, 100 if count <= 1000 else 1000)
+        _poll_count = count
     if row[0] in _WAITING and _has_threads() and not _token.is_calling():
         answer = _wait_by_polling(row, values)
         if answer is not None:
@@ -818,14 +837,14 @@ def _hint_at_truncation(name, value):
 
 def _request(row, values, frame=None):
     """Executes a call, at the place in the program of `frame`, by default of the running thread."""
-    global _callback_error, _clock_readings, _is_stopped
+    global _callback_error, _is_stopped, _poll_count
     name, function_list, number, kinds, result = row
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
     if _is_stopped and function_list == 7:
         _refuse()
-    if row is not _support_time_us:
-        _clock_readings = 0
+    if name not in _POLLING:
+        _poll_count = 0
     file, line = _location(frame or _sys._getframe())
     file = file.encode("utf-8", "replace")
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
@@ -1431,6 +1450,49 @@ def _coordinates(points, name):
     return dimensions, len(points), _struct.pack(f"<{len(numbers)}d", *numbers)
 
 
+# Names of parameters in EyeSim VR's `eye.py` that differ from those of the functions here, in their order.
+_PARAMETERS = {
+    "VWStraight": ("dist", "speed"),
+    "VWTurn": ("ang", "speed"),
+    "VWCurve": ("dist", "angle", "speed"),
+    "VWDrive": ("dis", "vel", "spd"),
+    "VWSetSpeed": ("speed", "angspeed"),
+    "LCDPrintf": ("format",),
+    "LCDSetPrintf": ("row", "column", "format"),
+    "LCDImageGray": ("img_gray",),
+    "LCDImageBinary": ("binary",),
+    "IPLaplace": ("grayIn",),
+    "IPSobel": ("grayIn",),
+    "IPCol2Gray": ("imgIn",),
+    "LIDARSet": ("angRange", "tilt", "numPoints"),
+    "MOTORSpeed": ("motor", "speed"),
+    "AUPlay": ("filename",),
+    "RADIOSend": ("idnum", "mes"),
+    "SIMSetRobot": ("id", "x", "y", "z", "phi"),
+    "SIMSetObject": ("id", "x", "y", "z", "phi"),
+}
+
+
+def _accept_keywords(name, parameters):
+    """Lets a function accept its arguments by the names of EyeSim VR, too."""
+    import functools
+
+    function = globals()[name]
+
+    @functools.wraps(function)
+    def accepting(*arguments, **keywords):
+        for parameter in parameters[len(arguments) :]:
+            if parameter not in keywords:
+                break
+            arguments += (keywords.pop(parameter),)
+        return function(*arguments, **keywords)
+
+    globals()[name] = accepting
+
+
+for _name, _names in _PARAMETERS.items():
+    _accept_keywords(_name, _names)
+
 lib = _Library()
 _functions = {name: value for name, value in globals().items() if name[:2].isupper() and hasattr(value, "__code__")}
 
@@ -1546,17 +1608,9 @@ def _now_us():
     return int(_request(_support_time_us, ())[0])
 
 
-_clock_readings = 0  # in succession, without another call
-
-
 def _read_clock_us():
-    """Virtual time for the program. A loop that only reads the clock takes 0.1 ms a turn after 100 turns, and 1 ms after 1000."""
-    global _clock_readings
-    readings = _clock_readings + 1
-    if readings > 100:
-        _call(_support_sleep_us, 100 if readings <= 1000 else 1000)
-    now_us, _clock_readings = int(_call(_support_time_us)[0]), readings
-    return now_us
+    """Virtual time for the program."""
+    return int(_call(_support_time_us)[0])
 
 
 def _sleep(seconds):
@@ -1807,6 +1861,12 @@ def _advice(error, trace):
         return "`+` joins only texts: write `str(...)` around the number"
     module = (getattr(error, "name", None) or "").split(".")[0]
     if isinstance(error, ModuleNotFoundError) and module and "eye" not in module.lower() and _sys.executable:
+        if module in ("msvcrt", "winreg", "winsound"):
+            return f"`{module}` exists only on Windows"
+        if module == "robios" or error.name.endswith(".eye"):
+            return "the module of the robot is `eye`: write `from eye import *`"
+        if module in getattr(_sys, "stdlib_module_names", ()):
+            return f"this Python is installed without its module `{module}`"
         return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
     return _missing_import(error, trace)
 

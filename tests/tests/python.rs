@@ -88,6 +88,36 @@ fn the_same_program_gives_the_same_digest_twenty_times_and_beside_programs_in_c(
 }
 
 #[test]
+fn names_of_parameters_are_also_those_of_eyesim_vr() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write(
+        "a.py",
+        "from eye import *\nprint(VWStraight(dist=100, speed=100), VWTurn(speed=20, ang=9), VWStraight(100, lin_speed=50))\n\
+         LCDSetPrintf(row=1, column=2, format='x')\nSIMSetRobot(id=1, x=700, y=600, z=0, phi=0)\n\
+         print(int.from_bytes(SIMGetRobot(1)[0], 'little'))\n",
+    );
+    assert_eq!(said(&scratch, &[], 0), ["0 0 0", "700"]);
+}
+
+#[test]
+fn a_loop_that_only_polls_takes_longer_steps_of_time() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write(
+        "a.py",
+        "from eye import *\nturns = 0\nwhile OSGetCount() < 3000:\n    KEYRead()\n    turns += 1\nprint(1000 < turns < 5000, OSGetCount())\n\
+         for i in range(2000):\n    KEYRead()\n    LCDSetPos(0, 0)\nprint(OSGetCount() < 3500)\n",
+    );
+    let said = said(&scratch, &[], 0);
+    assert!(said[0].starts_with("True 30") && said[1] == "True", "{said:?}");
+}
+
+#[test]
 fn what_c_writes_through_pointers_is_returned() {
     if !has_python() {
         return;
@@ -134,7 +164,7 @@ except TypeError as error:
     assert_eq!(said[1], "0 0 (500, 0, 0)");
     assert_eq!(said[2], "(500, 0, 90) (1500, 1000, 0, 90) 1 1");
     assert_eq!(said[3], "360 3000");
-    assert_eq!(said[4], "0 0 None (320, 240)");
+    assert_eq!(said[4], "0 0 None (480, 320)");
     assert_eq!(said[5], "19200 int 19200 3");
     assert_eq!(said[6], "(255, 165, 0) 0 57600 None");
     assert!(said[7].ends_with(" 0 1") && !said[7].starts_with("0 "), "{}", said[7]);
