@@ -117,8 +117,7 @@ mod tests {
         );
         check(
             "panicked: src/lib.rs:7:5: called `Result::unwrap()` on an `Err` value: Os { code: 2, kind: NotFound }",
-            "src/lib.rs:7: there is no file `/none/map.txt` (panicked: called `Result::unwrap()` on an `Err` value: Os { code: 2, kind: \
-             NotFound })",
+            "src/lib.rs:7: there is no folder `/none` (panicked: called `Result::unwrap()` on an `Err` value: Os { code: 2, kind: NotFound })",
         );
         check("panicked: src/lib.rs:7:20: on purpose", "");
     }
