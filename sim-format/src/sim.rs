@@ -345,7 +345,9 @@ impl Reader {
             let message = format!("`{}` is left over", extra.text);
             let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, syntax);
             if !line::looks_numeric(extra.text) {
-                diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+                let suggestion =
+                    "put a file name with blanks between double quotes; `--args` gives a program arguments";
+                diagnostic.suggestion = Some(suggestion.to_owned());
             }
         }
     }

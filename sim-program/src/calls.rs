@@ -146,7 +146,7 @@ enum Token<'a> {
 }
 
 /// The file of a line `#include "file"`.
-fn included_file(line: &str) -> Option<&str> {
+pub fn included_file(line: &str) -> Option<&str> {
     let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?.trim_start();
     rest.strip_prefix('"')?.split_once('"').map(|(name, _)| name)
 }

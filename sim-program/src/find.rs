@@ -1,10 +1,12 @@
 //! Finds the program that a sim file or the command line names: a library, C or C++ sources, or a Cargo package.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
+use super::calls::included_file;
 use super::embedded::EmbeddedProgram;
 use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
@@ -380,6 +382,9 @@ impl Finder<'_> {
     }
 }
 
+/// Maximum number of bytes of a source in which lines `#include` are searched.
+const MAX_SCANNED: u64 = 1 << 20;
+
 fn program_in_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     if folder.join("Cargo.toml").is_file() {
         return Ok(ProgramSource::Cargo(folder.to_owned()));
@@ -388,11 +393,23 @@ fn program_in_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     let is_source = |path: &PathBuf| Language::of(path).is_some() && path.is_file();
     let mut sources: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_source).collect();
     sources.sort();
+    let included: BTreeSet<PathBuf> = sources.iter().flat_map(|source| included_sources(source)).collect();
+    sources.retain(|source| !included.contains(source));
     if sources.is_empty() {
         Err(Some("a folder without `Cargo.toml`, `.c` or `.cpp` files".into()))
     } else {
         Ok(ProgramSource::of_files(sources))
     }
+}
+
+/// The sources that `source` includes, which are parts of it: `#include "map.c"`.
+fn included_sources(source: &Path) -> Vec<PathBuf> {
+    let mut text = Vec::new();
+    // An unreadable source is an error of its compilation.
+    _ = open_regular(source).and_then(|file| file.take(MAX_SCANNED).read_to_end(&mut text));
+    let text = String::from_utf8_lossy(&text);
+    let included = text.lines().filter_map(included_file).map(|name| source.with_file_name(name));
+    included.filter(|path| Language::of(path).is_some() && path != source).collect()
 }
 
 /// Paths of possible sources for a program `maze`: `maze.c`, then the C++ sources.
@@ -574,6 +591,17 @@ mod tests {
         fn check_missing(&self, reference: &str) -> String {
             find_program(reference, &self.search).expect_err("not found").to_string()
         }
+    }
+
+    #[test]
+    fn a_source_that_another_includes_is_no_source_of_its_own() {
+        let included = b"#include <stdio.h>\n # include \"image.c\"\n#include \"main.c\"\n#include \"map.h\"\n";
+        let folder = TestFolder::with(&[
+            ("sims/drive/main.c", included),
+            ("sims/drive/image.c", b"int f;\n"),
+            ("sims/drive/map.c", b""),
+        ]);
+        folder.check("drive", &["sims/drive/main.c", "sims/drive/map.c"]);
     }
 
     #[test]

@@ -23,6 +23,7 @@ const ABSENT_HEADERS: &[(&[&str], &str)] = &[
         "it belongs to Windows: `OSWait(ms)` or `usleep` in place of `Sleep`, `OSGetCount` in place of `GetTickCount`, \
          pthreads in place of `CreateThread`",
     ),
+    (&["bool.h"], "write `#include <stdbool.h>`"),
 ];
 
 /// Headers of RoBIOS 6 itself that its programs may name; our `eyebot.h` contains what they declare.
@@ -449,6 +450,8 @@ mod tests {
     fn headers_of_other_systems_have_replacements() {
         let gcc = source_hints("a.c:2:10: fatal error: conio.h: No such file or directory\n", "a.c", b"");
         assert!(gcc.starts_with("a.c: `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
+        let bool = source_hints("a.c:2:10: fatal error: bool.h: No such file or directory\n", "a.c", b"");
+        assert_eq!(bool, "a.c: `bool.h`: write `#include <stdbool.h>`\n");
         let clang = source_hints("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
         assert!(clang.starts_with("a.c: `windows.h`: it belongs to Windows: `OSWait(ms)`"), "{clang}");
         for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {

@@ -56,6 +56,15 @@ fn an_endless_loop_is_stopped_with_its_line() {
 }
 
 #[test]
+fn a_loop_that_waits_for_a_timer_is_told_to_make_calls() {
+    let program = "#include \"eyebot.h\"\nvolatile int n;\nvoid tick(void) { n++; }\n\
+                   int main(void) {\n    OSAttachTimer(10, tick);\n    while (n < 5)\n        ;\n    return 0;\n}\n";
+    let (report, ..) = run(program, &["--timeout", "0.5"]);
+    assert_eq!(report["robots"][1]["outcome"], "timeout");
+    assert!(reason(&report).ends_with("such as `OSWait(1)`"), "{}", reason(&report));
+}
+
+#[test]
 fn what_counts_is_the_time_between_two_waits_also_of_a_robot_alone() {
     let scratch = Scratch::new();
     let scene = write_scene(&scratch, &["busy.c"]);

@@ -341,6 +341,10 @@ fn advice(report: &BreakReport, broken: &Broken, robot: &Robot, program: &RobotP
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
     } else if broken.is_overdue {
         let call = if report.location.contains(".rs:") { "robot.sleep(10.millis())" } else { "OSWait(10)" };
+        if !robot.timers.is_empty() {
+            return "; functions of timers run only during calls: put a call that takes time into the loop, such as `OSWait(1)`"
+                .to_owned();
+        }
         let empty =
             if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")

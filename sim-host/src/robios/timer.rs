@@ -47,6 +47,11 @@ impl Timers {
         self.list.len() < old_count
     }
 
+    /// True without timers.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// Time of the next callback; [`Time::NEVER`] without timers, while they are held, and inside a callback.
     #[inline]
     pub fn next_due(&self) -> Time {
