@@ -49,7 +49,7 @@ pub fn turn(input: &[u8]) {
         let _over = Over(&is_over);
         match RemoteProgram::new(child, program, &["argument".to_owned()]) {
             Ok(program) => serve(&program),
-            Err(LoadRefusal::Broken(why)) => assert!(!why.is_empty(), "given up without a reason"),
+            Err(LoadRefusal::Failed(why)) => assert!(!why.is_empty(), "given up without a reason"),
             Err(LoadRefusal::Linker(_) | LoadRefusal::Incompatible(_)) => {}
         }
     });
@@ -66,9 +66,9 @@ impl Drop for Over<'_> {
 
 /// Runs the program to its end and reads all results that are then available.
 fn serve(program: &RemoteProgram) {
-    if let Err(broken) = program.run(&Robot) {
-        assert!(!broken.description.is_empty(), "given up without a reason");
-        let line = program.own_source_line(&broken.addresses);
+    if let Err(failure) = program.run(&Robot) {
+        assert!(!failure.description.is_empty(), "given up without a reason");
+        let line = program.own_source_line(&failure.addresses);
         assert!(line.is_none_or(|line| !line.file.as_os_str().is_empty()), "a line of no file");
     }
     let location = program.location_of(&program.call_site());

@@ -874,8 +874,8 @@ static struct {
 /* Blocks of at least this length may have a mapping of their own, which may be unmapped while they are checked. */
 #define LONG_BLOCK ((size_t)64 << 10)
 
-/* Breaks the program, at the line that allocated the newest block, if a write went beyond its guard zone and over glibc's size word behind
- * the block. An overrun that ends before this word is reported when the block is freed. */
+/* Ends the program with an error at the line that allocated the newest block, if a write went beyond its guard zone and over
+ * glibc's size word behind the block. An overrun that ends before this word is reported when the block is freed. */
 static void check_newest(void)
 {
     char text[192];

@@ -79,7 +79,7 @@ static struct {
     int exit_code;
     int ignored_calls; /* calls from destructors of a program that is exiting */
     int stop_pending; /* the host has stopped the program while unwinding was not possible */
-    struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
+    struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program crashes */
     const void *reader; /* call site of the function that reads standard input */
     int reader_reported; /* true once report_reader has reported it */
     struct eyesim_call_site call_site;

@@ -1,4 +1,4 @@
-//! A program that faults within the heap of the C library, which all programs of a process share.
+//! A program that crashes within the heap of the C library, which all programs of a process share.
 
 mod common;
 
@@ -39,7 +39,7 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         return;
     }
     let (endless, free, other) = (scene(&[ENDLESS]), scene(&[FREE]), scene(&[DRIVE]));
-    // Built before the fault.
+    // Built before the crash.
     run(other.path());
     thread::scope(|scope| {
         let (started, starts) = mpsc::channel();
@@ -49,11 +49,11 @@ fn a_fault_in_the_heap_ends_all_runs_of_the_process() {
         });
         starts.recv().expect("a thread");
         let broken = run(free.path());
-        assert!(matches!(broken.end, EndReason::Broken), "{:?}", broken.end);
+        assert!(matches!(broken.end, EndReason::ProgramFailed), "{:?}", broken.end);
         let reason = broken.robots[0].reason.as_deref().unwrap_or_default();
         assert!(reason.contains("segmentation fault") && reason.contains("p0.c:7"), "{reason}");
         assert!(is_heap_lost());
-        // If the run had not begun before the fault, it was refused.
+        // If the run had not begun before the crash, it was refused.
         match ended.join().expect("a run") {
             Ok(ended) => {
                 assert!(matches!(ended.end, EndReason::HeapLost), "{:?}", ended.end);

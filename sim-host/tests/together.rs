@@ -12,7 +12,7 @@ use sim_host::executive::dispatcher::EndReason;
 use sim_host::executive::interrupt::Interrupt;
 
 /// Faults in its own code while the other robots of the process run.
-const FAULT: &str = r#"
+const CRASH: &str = r#"
 #include "eyebot.h"
 int main(void) {
     OSWait(50);
@@ -49,7 +49,7 @@ fn a_fault_affects_only_its_run() {
     if !has_compiler() {
         return;
     }
-    let (good, bad) = (scene(&[DRIVE, DRIVE]), scene(&[DRIVE, FAULT]));
+    let (good, bad) = (scene(&[DRIVE, DRIVE]), scene(&[DRIVE, CRASH]));
     let alone = run(good.path()).digest;
     let (together, broken) = thread::scope(|scope| {
         let good = scope.spawn(|| run(good.path()));
@@ -58,11 +58,11 @@ fn a_fault_affects_only_its_run() {
     });
     assert_eq!(together.digest, alone);
     assert!(matches!(together.end, EndReason::Finished), "{:?}", together.end);
-    assert!(matches!(broken.end, EndReason::Broken), "{:?}", broken.end);
+    assert!(matches!(broken.end, EndReason::ProgramFailed), "{:?}", broken.end);
     let reasons = broken.robots.iter().map(|robot| robot.reason.as_deref().unwrap_or_default());
-    let [other, faulted] = reasons.collect::<Vec<_>>()[..] else { panic!("two robots") };
-    assert_eq!(other, "another robot's program broke");
-    assert!(faulted.starts_with("null pointer used (segmentation fault at address 0x8) at p1.c:5"), "{faulted}");
+    let [other, crashed] = reasons.collect::<Vec<_>>()[..] else { panic!("two robots") };
+    assert_eq!(other, "another robot's program failed");
+    assert!(crashed.starts_with("null pointer used (segmentation fault at address 0x8) at p1.c:5"), "{crashed}");
     assert_eq!(broken.robots[0].outcome, Outcome::Interrupted);
     assert_eq!(lost_flows(), 1, "that of the other robot has been let go");
     assert_eq!(run(good.path()).digest, alone, "this process runs on");

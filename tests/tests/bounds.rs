@@ -176,7 +176,7 @@ const ENDS: &[(&str, &str)] = &[
         "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h);\n*(volatile int *)0 = 1; return 0; }",
         "",
     ),
-    ("int main(void) { OSWait(20); syscall(SYS_exit, 0); return 0; }", "ended its own thread past the C library"),
+    ("int main(void) { OSWait(20); syscall(SYS_exit, 0); return 0; }", "ended its own thread without the C library"),
     ("int main(void) { OSWait(20); raise(SIGFPE); return 0; }", "the signal SIGFPE"),
     (
         "int main(void) { OSWait(20); feenableexcept(FE_DIVBYZERO); volatile double z = 0; z = 1 / z; return z > 1; }",

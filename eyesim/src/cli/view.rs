@@ -243,7 +243,7 @@ impl Session {
                 requests.is_over = true;
                 std::mem::take(&mut requests.actions)
             }));
-            if matches!(finished_run.finished.ended.end, EndReason::Broken | EndReason::HeapLost) {
+            if matches!(finished_run.finished.ended.end, EndReason::ProgramFailed | EndReason::HeapLost) {
                 // The broken program may have left locks of the C library in this process, so later programs get processes.
                 self.args.lock().exec = Exec::Process;
             }
@@ -427,7 +427,7 @@ fn end_reason(finished_run: &FinishedRun) -> String {
         EndReason::Until => format!("its {} are over", finished_run.finished.ended.time),
         EndReason::Stuck => "every program waits for what cannot come".to_owned(),
         EndReason::Interrupted => "interrupted".to_owned(),
-        EndReason::Broken | EndReason::HeapLost => "a program broke".to_owned(),
+        EndReason::ProgramFailed | EndReason::HeapLost => "a program failed".to_owned(),
         EndReason::Record(error) => error.to_string(),
     }
 }

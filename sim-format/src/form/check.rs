@@ -648,7 +648,7 @@ impl Words for Outcome {
         (Outcome::Running, "running", "The run ended while it ran."),
         (Outcome::Waiting, "waiting", "It waits for an event that can no longer occur."),
         (Outcome::Interrupted, "interrupted", "The user ended the run."),
-        (Outcome::Failed, "failed", "It panicked, faulted or returned a code other than 0."),
+        (Outcome::Failed, "failed", "It panicked, crashed or returned a code other than 0."),
         (Outcome::Timeout, "timeout", "It computed for too long without a RoBIOS call."),
         (Outcome::NoProgram, "no_program", "The robot has no program."),
         (Outcome::Removed, "removed", "The robot was removed before its program ended."),

@@ -2,7 +2,7 @@
 //! end, replace or trace the whole process. In a process of its own, they are the calls that send signals to the host
 //! or trace it.
 //!
-//! A filter turns such a call into a fault of the thread (SIGSYS), which is reported like any other fault. All threads
+//! A filter turns such a call into a crash of the thread (SIGSYS), which is reported like any other crash. All threads
 //! of programs get the filter, since the imports of a program do not show its assembly code. The kernel caches the set
 //! of allowed calls, so an allowed call costs next to nothing. While programs run on its threads, the host ends the
 //! process only through [`exit_at_once`].
@@ -102,7 +102,7 @@ pub fn protect_host(host: i32) {
     install(&mut filter[..]);
 }
 
-/// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it
+/// Turns the system calls that end or replace the process into crashes of the calling thread and of all threads that it
 /// starts. Does nothing if the kernel does not support such filters.
 pub fn confine_thread() {
     thread_local! {

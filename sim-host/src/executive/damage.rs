@@ -1,4 +1,4 @@
-//! Permanent damage that broken robot programs have done to this process: threads that never end, and corruption of the
+//! Permanent damage that failed robot programs have done to this process: threads that never end, and corruption of the
 //! C library's heap.
 
 use std::ffi::CStr;
@@ -7,7 +7,7 @@ use std::ptr;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::signal::Fault;
+use super::signal::Crash;
 
 /// Number of lost flows at which this process loads no more programs: each lost flow keeps its thread, its stack and its whole run. Our
 /// choice.
@@ -21,13 +21,13 @@ static IS_HEAP_LOST: AtomicBool = AtomicBool::new(false);
 pub enum Damage {
     /// Too many flows are lost.
     #[error(
-        "{0} flows of robot programs have faulted, hung or been left suspended in this process and hold their threads for ever: \
+        "{0} flows of robot programs have crashed, hung or been left suspended in this process and hold their threads for ever: \
          run programs in processes of their own (`--exec process`), or start a new process"
     )]
     Flows(usize),
     /// The heap of the C library is corrupted.
     #[error(
-        "a robot program broke within the heap of the C library, which no other program in this process can use any more: run \
+        "a robot program crashed within the heap of the C library, which no other program in this process can use any more: run \
          programs in processes of their own (`--exec process`), or start a new process"
     )]
     Heap,
@@ -45,13 +45,13 @@ pub fn check() -> Result<(), Damage> {
     }
 }
 
-/// Number of flows in this process whose threads never end: they faulted, were stopped as overdue, or could not be
+/// Number of flows in this process whose threads never end: they crashed, were stopped as overdue, or could not be
 /// joined afterwards.
 pub fn lost_flows() -> usize {
     LOST_FLOWS.load(Ordering::Acquire)
 }
 
-/// Returns true once a program of this process broke within the heap of the C library: the program may still hold a
+/// Returns true once a program of this process crashed within the heap of the C library: the program may still hold a
 /// heap lock for which other threads wait.
 pub fn is_heap_lost() -> bool {
     IS_HEAP_LOST.load(Ordering::Acquire)
@@ -67,20 +67,20 @@ pub(super) fn mark_heap_lost() {
     IS_HEAP_LOST.store(true, Ordering::Release);
 }
 
-/// Marks the heap as lost if `fault` happened in a heap function; `stack_words` are the words on the stack of its
+/// Marks the heap as lost if `crash` happened in a heap function; `stack_words` are the words on the stack of its
 /// thread.
-pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
+pub(super) fn assess(crash: &Crash, stack_words: &[usize]) {
     /// Maximum stack depth in words between the heap's functions and the signal with which they abort the program.
     const MAX_DEPTH: usize = 512;
     let heap = heap_functions();
     let is_called_by_heap = || stack_words.iter().take(MAX_DEPTH).any(|word| heap.contains(word));
-    if heap.contains(&fault.pc) || fault.signal == libc::SIGABRT && is_called_by_heap() {
+    if heap.contains(&crash.pc) || crash.signal == libc::SIGABRT && is_called_by_heap() {
         IS_HEAP_LOST.store(true, Ordering::Release);
     }
 }
 
 /// Address range of the C library's heap functions; empty if they are not found. The first call must be made before
-/// anything breaks, since it takes the dynamic linker's lock; the result is cached.
+/// anything fails, since it takes the dynamic linker's lock; the result is cached.
 pub(super) fn heap_functions() -> Range<usize> {
     /// Upper bound of the size of the unexported functions before `malloc`: 10 KiB in glibc 2.36.
     const UNEXPORTED: usize = 16 << 10;

@@ -158,9 +158,9 @@ pub enum EndReason {
     Stuck,
     /// The user interrupted the run, or its owner finished it early.
     Interrupted,
-    /// A program broke in a way after which no program may continue.
-    Broken,
-    /// A program of another run in this process broke in the heap of the C library, which all programs of the process share.
+    /// A program failed in a way after which no program may continue.
+    ProgramFailed,
+    /// A program of another run in this process crashed in the heap of the C library, which all programs of the process share.
     HeapLost,
     /// The record cannot be written.
     Record(RecordError),
@@ -316,7 +316,7 @@ impl Dispatcher {
         *run.returns(worker).returns.lock() = returns;
     }
 
-    /// Removes `robot`, whose program has ended or broken, from the schedule; for `deadline` see [`Dispatcher::advance`].
+    /// Removes `robot`, whose program has ended or failed, from the schedule; for `deadline` see [`Dispatcher::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> BarrierOutcome {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
             // The flow was abandoned, but has come back after all.
@@ -367,7 +367,7 @@ impl Dispatcher {
         self.departed[robot.index()] = true;
     }
 
-    /// Returns true if the program of `robot` has ended or broken, or if it has none.
+    /// Returns true if the program of `robot` has ended or failed, or if it has none.
     pub fn has_departed(&self, robot: RobotId) -> bool {
         self.departed[robot.index()]
     }

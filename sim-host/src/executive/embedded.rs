@@ -13,7 +13,7 @@ use robios_sys::{Callback, Robios6, Robios7, Status, Support};
 use sim_core::RobotId;
 
 use super::answer::answer;
-use super::fault::Broken;
+use super::failure::Failure;
 use super::signal::FlowBlock;
 use crate::program::embedded::{Calls, EmbeddedCode, EmbeddedEnd, EmbeddedProgram};
 use crate::program::site::RemoteSite;
@@ -38,8 +38,8 @@ impl EmbeddedRobot {
     /// code.
     ///
     /// # Errors
-    /// [`Broken`] if the program was overdue.
-    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+    /// [`Failure`] if the program was overdue.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Failure> {
         FlowBlock::current().pass_faults_to_process();
         let calls = Arc::new(HostCalls {
             host: AtomicPtr::new(ptr::from_ref(host).cast_mut()),
@@ -56,7 +56,7 @@ impl EmbeddedRobot {
             EmbeddedEnd::Exited(code) => Ok(code),
             EmbeddedEnd::Overdue(location) => {
                 let last_call = FlowBlock::current().last_call.load(Ordering::Relaxed);
-                Err(Broken::overdue(last_call, location))
+                Err(Failure::overdue(last_call, location))
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Guard page above a program's frames on its thread's stack.
 //!
 //! The C library stores a thread's thread-locals, including those of the host, above its stack. A program may write
-//! beyond the top of its frames, such as by an array overrun. It then faults at the guard page before it reaches the
-//! thread-locals; the fault is reported like any other.
+//! beyond the top of its frames, such as by an array overrun. It then crashes at the guard page before it reaches the
+//! thread-locals; the crash is reported like any other.
 
 use std::mem::MaybeUninit;
 

@@ -44,7 +44,7 @@ pub fn ignore_file_limit() -> io::Result<()> {
 }
 
 /// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C and SIGTERM set; they also
-/// kill the compilers. The second such signal ends the process. A fault in a thread that a robot program started by itself ends the
+/// kill the compilers. The second such signal ends the process. A crash in a thread that a robot program started by itself ends the
 /// process with a message.
 ///
 /// # Errors
@@ -102,7 +102,7 @@ pub(super) fn reinstall(is_of_program: impl Fn(usize) -> bool) {
     }
 }
 
-/// Time in seconds within which the supervisor must respond after a program has broken on a thread of the host;
+/// Time in seconds within which the supervisor must respond after a program has failed on a thread of the host;
 /// otherwise the program has damaged the host, and locks may be held forever. Our choice.
 const LAST_RESORT_TIMEOUT: libc::time_t = 10;
 
@@ -194,7 +194,7 @@ fn exit_after_writing(code: i32) -> ! {
 
 /// Ends this process with exit code 1 after `seconds`, in case a destructor of a program hangs while the process ends by
 /// itself; a signal of [`of_process`] ends it earlier. Does nothing without [`of_process`]. Allocates nothing, since a
-/// program that broke inside the C library may hold the lock of its allocator.
+/// program that failed inside the C library may hold the lock of its allocator.
 pub fn end_within(seconds: u32) {
     IS_ENDING.store(true, Ordering::Release);
     LAST_RESORT.set(seconds.into());
@@ -232,16 +232,16 @@ extern "C" fn on_interrupt(signal: i32) {
     }
 }
 
-/// Ends the process with a message: a thread that a program started itself has faulted. The isolation of programs does not cover such
+/// Ends the process with a message: a thread that a program started itself has crashed. The isolation of programs does not cover such
 /// threads; the trace contains the record up to the last slot.
 extern "C" fn on_foreign_fault(signal: i32) {
     const WORDS: &[u8] =
-        b"error: a thread that a robot program started by itself has faulted, or one whose stack and own variables a program has \
+        b"error: a thread that a robot program started by itself has crashed, or one whose stack and own variables a program has \
         overwritten: such threads are outside the guarantee; the run ends here, the trace is complete up to the last slot\n";
     // SAFETY: neither call takes a pointer, and both always succeed.
     let is_first_thread = unsafe { libc::gettid() == libc::getpid() };
     if is_first_thread || !Handlers::are_installed() {
-        // A fault of the host itself: the default action ends the process when the instruction is tried again.
+        // A crash of the host itself: the default action ends the process when the instruction is tried again.
         return default_action(signal);
     }
     // SAFETY: write is async-signal-safe; `WORDS` has as many bytes as are given.

@@ -230,7 +230,7 @@ impl Loading {
         remote.map(RobotProgram::Process).map_err(|refusal| match refusal {
             LoadRefusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
             LoadRefusal::Incompatible(what) => OpenError::Incompatible(what).of(&path, &library),
-            LoadRefusal::Broken(what) => start_error(&program, path, what),
+            LoadRefusal::Failed(what) => start_error(&program, path, what),
         })
     }
 }

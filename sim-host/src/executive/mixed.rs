@@ -7,7 +7,7 @@ use std::sync::Arc;
 use sim_core::RobotId;
 
 use super::Executor;
-use super::fault::Broken;
+use super::failure::Failure;
 use super::fiber::FiberExecutor;
 use super::notifier::Notifier;
 use super::process::Child;
@@ -98,9 +98,9 @@ impl Executor for MixedExecutor {
         self.fibers.run_loop(job);
     }
 
-    fn broken(&self) -> Vec<(RobotId, Broken)> {
-        let mut all = self.threads.broken();
-        all.extend(self.fibers.broken());
+    fn failures(&self) -> Vec<(RobotId, Failure)> {
+        let mut all = self.threads.failures();
+        all.extend(self.fibers.failures());
         all
     }
 

@@ -1,17 +1,17 @@
-//! Execution of robot programs: scheduling, flows, faults and the watchdog.
+//! Execution of robot programs: scheduling, flows, crashes and the watchdog.
 //!
 //! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread
 //! for each flow, which serves the robot's [`process`] if it has one; [`fiber`] implements it with fibers. Code above
 //! the trait is independent of the kind of flow. There, [`run`] is the state that flows share, [`dispatcher`] holds the
 //! run queues, and the owner of a run, such as [`script`] or the window, advances it through [`scheduler`]. Below the
-//! trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
+//! trait, [`signal`] and [`watchdog`] catch programs that crash or never return.
 
 mod answer;
 pub mod confine;
 pub mod damage;
 pub mod dispatcher;
 pub mod embedded;
-pub mod fault;
+pub mod failure;
 pub mod fiber;
 mod flow;
 pub mod fork;
@@ -49,11 +49,11 @@ use self::program::RobotProgram;
 /// A flow starts suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the
 /// flow with the run token.
 pub trait Executor: Send + Sync {
-    /// Begins a run. Flows that break notify `notifier`, for which the run's supervisor waits. Must be called before the
+    /// Begins a run. Flows that fail notify `notifier`, for which the run's supervisor waits. Must be called before the
     /// first flow starts.
     fn begin(&self, notifier: &Arc<notifier::Notifier>);
 
-    /// Ends the run and releases the resources of its flows. Broken flows, and flows of robots that have not
+    /// Ends the run and releases the resources of its flows. Failed flows, and flows of robots that have not
     /// departed, are lost with everything that they hold. Returns true if no flow is lost.
     fn end(&self, has_departed: &dyn Fn(RobotId) -> bool) -> bool;
 
@@ -101,8 +101,8 @@ pub trait Executor: Send + Sync {
         job.work();
     }
 
-    /// Flows that broke (by a fault, or because they were overdue) and never run again, with the cause.
-    fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
+    /// Flows that failed (by a crash, or because they were overdue) and never run again, with the cause.
+    fn failures(&self) -> Vec<(RobotId, failure::Failure)>;
 
     /// Returns true if the robot's flow with the run token has used `timeout` seconds of processor time, or has been
     /// blocked in the kernel for as long, since it was last resumed or handed the run token. Called about twenty times
@@ -114,7 +114,7 @@ pub trait Executor: Send + Sync {
     /// the program has its own process (see [`process::Child::current_location`]).
     fn backtrace(&self, robot: RobotId) -> Vec<usize>;
 
-    /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.
+    /// Stops the overdue flow with the run token where it is; [`Executor::failures`] reports it soon after.
     fn break_overdue(&self, robot: RobotId);
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 /// An eventfd on which one thread waits, and which any code may notify, including signal handlers.
 pub struct Notifier {
     fd: OwnedFd,
-    /// A flow has broken since the last [`Notifier::take_break`].
+    /// A flow has failed since the last [`Notifier::take_failure`].
     has_broken_flow: AtomicBool,
 }
 
@@ -35,14 +35,14 @@ impl Notifier {
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
-    /// Wakes the waiting thread because a flow has broken; async-signal-safe.
+    /// Wakes the waiting thread because a flow has failed; async-signal-safe.
     pub fn notify_break(&self) {
         self.has_broken_flow.store(true, Ordering::Release);
         self.notify();
     }
 
-    /// Returns true if a flow has broken since the last call.
-    pub fn take_break(&self) -> bool {
+    /// Returns true if a flow has failed since the last call.
+    pub fn take_failure(&self) -> bool {
         self.has_broken_flow.swap(false, Ordering::AcqRel)
     }
 

@@ -7,7 +7,7 @@ use robios_sys::{Robios6, Robios7, Support};
 
 use super::confine::confine_thread;
 use super::embedded::EmbeddedRobot;
-use super::fault::Broken;
+use super::failure::Failure;
 use super::process::Child;
 use super::process::serve::RemoteProgram;
 use super::signal::FlowBlock;
@@ -63,8 +63,8 @@ impl RobotProgram {
     /// called again before it returns.
     ///
     /// # Errors
-    /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
-    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+    /// [`Failure`] if the process of the program failed. A program in this process breaks with its thread instead.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Failure> {
         match self {
             Self::InHost { program, .. } => {
                 confine_thread();
@@ -76,7 +76,7 @@ impl RobotProgram {
         }
     }
 
-    /// Makes the calling flow store the program's unfinished lines if the program breaks on it.
+    /// Makes the calling flow store the program's unfinished lines if the program fails on it.
     pub fn register_consoles(&self) {
         if let Self::InHost { program, .. } = self {
             FlowBlock::current().set_consoles(program.consoles());

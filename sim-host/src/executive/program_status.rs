@@ -4,7 +4,7 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::EndReason;
-use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW, WILD};
+use super::failure::{Failure, ILLEGAL_DIVISION, ILLEGAL_INSTRUCTION, INVALID_POINTER, NULL_POINTER, STACK_OVERFLOW};
 use super::process::CodeLocation;
 use super::program::RobotProgram;
 use super::reason;
@@ -23,15 +23,15 @@ pub struct ProgramStatus {
     pub reason: Option<String>,
     /// Exit code of the program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Description of the break, if the program broke.
-    pub break_report: Option<BreakReport>,
+    /// Description of the failure, if the program failed.
+    pub failure_report: Option<FailureReport>,
 }
 
 impl ProgramStatus {
     /// Records the status in the journal of `robot` at the end of the run.
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
-        if let Some(BreakReport { description, location, last_call }) = &self.break_report {
+        if let Some(FailureReport { description, location, last_call }) = &self.failure_report {
             journal.record(now, &Event::Fault { what: description, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
@@ -42,23 +42,23 @@ impl ProgramStatus {
 
     /// Status of a robot that was removed while its program ran.
     pub fn removed() -> Self {
-        Self { outcome: Outcome::Removed, reason: None, exit_code: None, break_report: None }
+        Self { outcome: Outcome::Removed, reason: None, exit_code: None, failure_report: None }
     }
 
     /// Status of a robot that was halted while its program ran.
     pub fn halted() -> Self {
-        Self { outcome: Outcome::Halted, reason: None, exit_code: None, break_report: None }
+        Self { outcome: Outcome::Halted, reason: None, exit_code: None, failure_report: None }
     }
 
     /// Status of a robot without a program.
     pub fn without_program() -> Self {
-        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, break_report: None }
+        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, failure_report: None }
     }
 }
 
-/// Break of a program: description, location and last call.
-pub struct BreakReport {
-    /// Description of the break, without the location.
+/// Failure of a program: description, location and last call.
+pub struct FailureReport {
+    /// Description of the failure, without the location.
     pub description: String,
     /// Source file and line; empty if unknown.
     pub location: String,
@@ -124,19 +124,19 @@ impl PossibleSenders {
 /// Minimum length of a wait that is reported when a run reaches its time limit. Source: our choice.
 const LONG_WAIT: Time = Time::from_millis(1000);
 
-/// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
+/// Status of the program of `robot`, given the end of the run and the failure of its flow, if any.
 pub fn judge(
     robot: &mut Robot,
     run_end: &RunEnd<'_>,
-    broken: Option<&Broken>,
+    failure: Option<&Failure>,
     program: &RobotProgram,
 ) -> ProgramStatus {
-    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, break_report: None };
-    if let Some(broken) = broken {
-        let report = break_report(broken, program);
-        let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        let reason = Some(format!("{report}{}", advice(&report, broken, robot, program)));
-        return ProgramStatus { reason, break_report: Some(report), ..status(outcome, None) };
+    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, failure_report: None };
+    if let Some(failure) = failure {
+        let report = failure_report(failure, program);
+        let outcome = if failure.is_overdue { Outcome::Timeout } else { Outcome::Failed };
+        let reason = Some(format!("{report}{}", advice(&report, failure, robot, program)));
+        return ProgramStatus { reason, failure_report: Some(report), ..status(outcome, None) };
     }
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },
@@ -157,9 +157,9 @@ pub fn judge(
         }
         _ => match run_end.end {
             EndReason::Interrupted => status(Outcome::Interrupted, None),
-            EndReason::Broken => status(Outcome::Interrupted, Some("another robot's program broke".into())),
+            EndReason::ProgramFailed => status(Outcome::Interrupted, Some("another robot's program failed".into())),
             EndReason::HeapLost => {
-                let reason = "a program of another run in this process broke within the heap of the C library";
+                let reason = "a program of another run in this process crashed within the heap of the C library";
                 status(Outcome::Interrupted, Some(reason.into()))
             }
             EndReason::Record(_) => status(Outcome::Interrupted, Some("the record could not be written".into())),
@@ -267,64 +267,64 @@ fn describe_wait(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
     format!("{reason} since {since}{location}{advice}")
 }
 
-fn break_report(broken: &Broken, program: &RobotProgram) -> BreakReport {
-    let location = if has_lost_heap(broken, program) {
+fn failure_report(failure: &Failure, program: &RobotProgram) -> FailureReport {
+    let location = if has_lost_heap(failure, program) {
         // The reason names the line that allocated the block; the overrun may have happened anywhere after that.
         String::new()
-    } else if broken.location.is_empty() {
-        line_of(&broken.addresses, program).unwrap_or_default()
+    } else if failure.location.is_empty() {
+        line_of(&failure.addresses, program).unwrap_or_default()
     } else {
-        broken.location.clone()
+        failure.location.clone()
     };
-    let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    let description = match reason_of_trap(broken, program) {
+    let last_call = Call::of_robios_number(failure.last_call).map_or("", Call::name);
+    let description = match reason_of_trap(failure, program) {
         Some(reason) => reason,
-        None if broken.description == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
-        None => &broken.description,
+        None if failure.description == ILLEGAL_INSTRUCTION && is_at_division(failure, program) => ILLEGAL_DIVISION,
+        None => &failure.description,
     };
     let description = description.to_owned();
-    BreakReport { description, location, last_call }
+    FailureReport { description, location, last_call }
 }
 
-/// Reads and writes of the line at which the program's own code broke. `None` if the program broke elsewhere, if the line may have
+/// Reads and writes of the line at which the program's own code failed. `None` if the program failed elsewhere, if the line may have
 /// further accesses, or if the program is in Rust.
-fn accesses_at(broken: &Broken, program: &RobotProgram) -> Option<Accesses> {
-    let line = program.own_source_line(broken.addresses.get(..1)?)?;
+fn accesses_at(failure: &Failure, program: &RobotProgram) -> Option<Accesses> {
+    let line = program.own_source_line(failure.addresses.get(..1)?)?;
     let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
     accesses_of(&program.source_of(&line).filter(|_| !is_rust)?, usize::try_from(line.line).ok()?)
 }
 
-/// The pointers that the line uses at which the program's own code broke, if there are at most two: one of them was
+/// The pointers that the line uses at which the program's own code failed, if there are at most two: one of them was
 /// NULL.
-fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
-    let pointers = accesses_at(broken, program)?.pointers;
+fn null_pointer(failure: &Failure, program: &RobotProgram) -> Option<String> {
+    let pointers = accesses_at(failure, program)?.pointers;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
-/// Question about an index out of range, if the line at which the program's own code broke indexes one array and uses no pointer.
-fn wild_index(broken: &Broken, program: &RobotProgram) -> Option<String> {
-    let Accesses { pointers, arrays } = accesses_at(broken, program)?;
+/// Question about an index out of range, if the line at which the program's own code failed indexes one array and uses no pointer.
+fn index_out_of_range(failure: &Failure, program: &RobotProgram) -> Option<String> {
+    let Accesses { pointers, arrays } = accesses_at(failure, program)?;
     let [array] = arrays.as_slice() else { return None };
     let len = array.len.filter(|_| pointers.is_empty() && !array.is_inside)?;
     Some(format!("; is an index of `{}` outside of its {len} elements, 0 to {}?", array.name, len.checked_sub(1)?))
 }
 
-/// Returns true if the line at which the program broke divides, and uses no pointer.
-fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
-    let code = code_only(&code_of(broken, program, 0).unwrap_or_default());
+/// Returns true if the line at which the program failed divides, and uses no pointer.
+fn is_at_division(failure: &Failure, program: &RobotProgram) -> bool {
+    let code = code_only(&code_of(failure, program, 0).unwrap_or_default());
     code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
-/// The line of the program at which it broke, or the line that is `lines_above` lines above it.
-fn code_of(broken: &Broken, program: &RobotProgram, lines_above: u32) -> Option<String> {
-    let mut line = program.own_source_line(&without_stale(&broken.addresses, program))?;
+/// The line of the program at which it failed, or the line that is `lines_above` lines above it.
+fn code_of(failure: &Failure, program: &RobotProgram, lines_above: u32) -> Option<String> {
+    let mut line = program.own_source_line(&without_stale(&failure.addresses, program))?;
     line.line = line.line.checked_sub(lines_above)?;
     program.text_of(&line)
 }
 
-/// Returns true if the program broke in a loop without a body, `while (...);`, that is not the end of a `do` loop.
-fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
-    let code = |lines_above: u32| Some(code_only(&code_of(broken, program, lines_above)?).trim().to_owned());
+/// Returns true if the program failed in a loop without a body, `while (...);`, that is not the end of a `do` loop.
+fn is_in_empty_loop(failure: &Failure, program: &RobotProgram) -> bool {
+    let code = |lines_above: u32| Some(code_only(&code_of(failure, program, lines_above)?).trim().to_owned());
     let is_loop = |line: &String| !line.starts_with(['}', 'i']) && is_empty_clause(line);
     let previous_lines: Vec<String> = (1..=3).map_while(code).filter(|line| !line.is_empty()).collect();
     let begins_do = |line: &String| line == "do" || line.starts_with("do ") || line.starts_with("do{");
@@ -333,35 +333,36 @@ fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
         && !previous_lines.iter().any(begins_do)
 }
 
-/// Advice to the user about a break, appended to its report.
-fn advice(report: &BreakReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
+/// Advice to the user about a failure, appended to its report.
+fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &RobotProgram) -> String {
     let is_null = report.description.starts_with(NULL_POINTER);
     let open_failure = robot.robios.storage.open_failure().filter(|_| is_null);
-    if broken.is_overdue && robot.robios.input.has_ended() {
+    if failure.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
-    } else if broken.is_overdue {
+    } else if failure.is_overdue {
         let call = if report.location.contains(".rs:") { "robot.sleep(10.millis())" } else { "OSWait(10)" };
         if !robot.timers.is_empty() {
             return "; functions of timers run only during calls: put a call that takes time into the loop, such as `OSWait(1)`"
                 .to_owned();
         }
         let empty =
-            if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
+            if is_in_empty_loop(failure, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")
     } else if report.description.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
-        let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
+        let null = null_pointer(failure, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
         // A NULL file is used within the C library, so that no line of the program shows the pointer.
         let null_file =
             open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
-        let is_wild = report.description.contains(WILD) || report.description.contains("an array overrun");
-        let index = wild_index(broken, program).filter(|_| is_wild);
+        let may_be_out_of_range =
+            report.description.contains(INVALID_POINTER) || report.description.contains("an array overrun");
+        let index = index_out_of_range(failure, program).filter(|_| may_be_out_of_range);
         [null, null_file, index].into_iter().flatten().collect()
     }
 }
 
-/// The line in the program's own sources to which the addresses of a break or of a backtrace lead: `maze.c:88`.
+/// The line in the program's own sources to which the addresses of a failure or of a backtrace lead: `maze.c:88`.
 pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<String> {
     program.own_source_line(&without_stale(addresses, program)).map(|line| line.to_string())
 }
@@ -381,7 +382,7 @@ pub(super) fn line_of_location(location: &CodeLocation, program: &RobotProgram) 
     }
 }
 
-/// Returns the addresses of a break without the words of the stack below the call in progress, which may be left over
+/// Returns the addresses of a failure without the words of the stack below the call in progress, which may be left over
 /// from earlier calls. A program in its own process has already omitted them.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
@@ -393,16 +394,16 @@ fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
 }
 
-/// Returns true if the program broke because it had overwritten the heap's data between blocks, as its shim found (`TRAP` in
+/// Returns true if the program failed because it had overwritten the heap's data between blocks, as its shim found (`TRAP` in
 /// shim.c).
-pub(super) fn has_lost_heap(broken: &Broken, program: &RobotProgram) -> bool {
-    let function = || program.function_at(*broken.addresses.first()?);
+pub(super) fn has_lost_heap(failure: &Failure, program: &RobotProgram) -> bool {
+    let function = || program.function_at(*failure.addresses.first()?);
     function().as_deref() == Some("eyesim_trap_heap_lost")
 }
 
-/// The reason for a trap of the shim, by the name of the function in which the program broke (`TRAP` in shim.c).
-fn reason_of_trap(broken: &Broken, program: &RobotProgram) -> Option<&'static str> {
-    match program.function_at(*broken.addresses.first()?)?.as_str() {
+/// The reason for a trap of the shim, by the name of the function in which the program failed (`TRAP` in shim.c).
+fn reason_of_trap(failure: &Failure, program: &RobotProgram) -> Option<&'static str> {
+    match program.function_at(*failure.addresses.first()?)?.as_str() {
         "eyesim_trap_stack_smashed" => Some(
             "the program wrote over the end of a local array, and over what lies above it on the stack (stack smashed)",
         ),
@@ -414,7 +415,7 @@ fn reason_of_trap(broken: &Broken, program: &RobotProgram) -> Option<&'static st
     }
 }
 
-impl std::fmt::Display for BreakReport {
+impl std::fmt::Display for FailureReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.description)?;
         if !self.location.is_empty() {

@@ -15,7 +15,7 @@ use sim_core::world::World;
 
 use super::Executor;
 use super::dispatcher::{BarrierOutcome, Dispatcher, Plan, Return, ReturnQueue};
-use super::fault::Broken;
+use super::failure::Failure;
 use super::flow::{self, RobotFlow};
 use super::interrupt::Interrupt;
 use super::notifier::Notifier;
@@ -47,8 +47,8 @@ pub struct Run {
     /// For each worker, the robots that come back to the barrier.
     returns: Vec<ReturnQueue>,
     executor: Box<dyn Executor>,
-    /// Robots whose processes broke, and how; the run continues without them.
-    pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
+    /// Robots whose processes failed, and how; the run continues without them.
+    pub(super) failed_processes: Mutex<Vec<(RobotId, Failure)>>,
     costs: Costs,
     forbidden: Forbidden,
     /// Lines of programs at which hints were given.
@@ -79,7 +79,7 @@ pub struct Member {
     program: Option<RobotProgram>,
     /// The robot has been removed: its program must exit.
     is_removed: AtomicBool,
-    /// Its program has ended or broken.
+    /// Its program has ended or failed.
     has_departed: AtomicBool,
     /// Worker on which it was released last.
     worker: AtomicU32,
@@ -152,7 +152,7 @@ impl Run {
             returns: (0..Dispatcher::max_workers(&plan)).map(|_| ReturnQueue::default()).collect(),
             dispatcher: Mutex::new(Dispatcher::new(&plan, parts.sinks)),
             executor: parts.executor,
-            broken_processes: Mutex::default(),
+            failed_processes: Mutex::default(),
             costs: parts.costs,
             forbidden: parts.forbidden,
             hint_locations: parts.hint_locations,
@@ -388,7 +388,7 @@ impl Run {
         self.members[id.index()].worker.store(worker, Ordering::Relaxed);
     }
 
-    /// Flag that is true once robot `id` has departed: its program has ended or broken.
+    /// Flag that is true once robot `id` has departed: its program has ended or failed.
     pub(super) fn has_departed_flag(&self, id: RobotId) -> &AtomicBool {
         &self.members[id.index()].has_departed
     }
@@ -421,13 +421,14 @@ impl Run {
             // The other tasks exit through calls that `caller` answers.
             self.end_tasks(id);
             let ending = match result {
-                Err(broken) if broken.is_overdue && self.is_removed(id) => self.abandon(id),
-                Err(broken) if !program.child().is_some_and(|child| child.is_ending()) => {
+                Err(failure) if failure.is_overdue && self.is_removed(id) => self.abandon(id),
+                Err(failure) if !program.child().is_some_and(|child| child.is_ending()) => {
                     let task = self.robot(id).tasks.first_exiting();
-                    let broken = self.with_task(id, if let Some(task) = task { broken.in_task(task) } else { broken });
-                    let broken = broken.with_reason(self.robot(id).ending.as_ref());
-                    let ending = broken.ending();
-                    self.broken_processes.lock().push((id, broken));
+                    let failure =
+                        self.with_task(id, if let Some(task) = task { failure.in_task(task) } else { failure });
+                    let failure = failure.with_reason(self.robot(id).ending.as_ref());
+                    let ending = failure.ending();
+                    self.failed_processes.lock().push((id, failure));
                     ending
                 }
                 _ if self.is_exiting(id) => Ending::Stopped,
@@ -457,12 +458,12 @@ impl Run {
         Ending::Stopped
     }
 
-    /// Adds the name of the task that broke to the description.
-    pub(super) fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
-        if let Some(task) = broken.task.take() {
-            broken.description += &format!(" in {}", self.robot(id).tasks.name(task));
+    /// Adds the name of the task that failed to the description.
+    pub(super) fn with_task(&self, id: RobotId, mut failure: Failure) -> Failure {
+        if let Some(task) = failure.task.take() {
+            failure.description += &format!(" in {}", self.robot(id).tasks.name(task));
         }
-        broken
+        failure
     }
 
     /// Starts the flow of task `task` of robot `id`, which runs `code` when it gets the run token.

@@ -14,7 +14,7 @@ use sim_core::{ObjectId, RobotId};
 
 use super::Executor;
 use super::dispatcher::{Boundary, EndReason};
-use super::fault::Broken;
+use super::failure::Failure;
 use super::interrupt::{self, Interrupt};
 use super::intervene::Refusal;
 use super::program::RobotProgram;
@@ -39,8 +39,8 @@ pub struct Scheduler {
     /// Processor time in seconds that a program may use within one slot.
     timeout: f64,
     start: Instant,
-    /// Robots that broke, and how.
-    broken: Vec<(RobotId, Broken)>,
+    /// Robots that failed, and how.
+    failures: Vec<(RobotId, Failure)>,
     /// Robots whose programs did not exit although they were removed or stopped: their flows are abandoned.
     abandoned: Vec<RobotId>,
     /// Robots whose programs were requested to stop, each with the time of the request.
@@ -199,12 +199,12 @@ impl Scheduler {
         let faults = std::mem::take(&mut parts.faults);
         let run = Run::new(parts, limits)?;
         run.executor().begin(run.notifier());
-        let (broken, abandoned) = (Vec::new(), Vec::new());
+        let (failures, abandoned) = (Vec::new(), Vec::new());
         let mut scheduler = Self {
             run,
             timeout: limits.timeout,
             start,
-            broken,
+            failures,
             abandoned,
             stopping: Vec::new(),
             has_requested_exit: false,
@@ -326,7 +326,7 @@ impl Scheduler {
     pub fn finish(mut self) -> Ended {
         self.run.dispatcher.lock().close(&self.run);
         self.exit_programs();
-        self.broken.append(&mut self.run.broken_processes.lock());
+        self.failures.append(&mut self.run.failed_processes.lock());
         let ended = self.conclude();
         interrupt::disarm_last_resort();
         ended
@@ -345,13 +345,13 @@ impl Scheduler {
             }
             let wait = if remaining.is_zero() { POLL_INTERVAL } else { remaining.clamp(MIN_WAIT, POLL_INTERVAL) };
             self.run.notifier().wait(wait);
-            if !self.broken.is_empty() {
+            if !self.failures.is_empty() {
                 interrupt::arm_last_resort();
             }
             // Flows rarely break, and a check of all flows takes time.
-            if self.run.notifier().take_break() {
-                for (id, broken) in self.run.executor().broken() {
-                    self.handle_broken(id, broken, deadline);
+            if self.run.notifier().take_failure() {
+                for (id, failure) in self.run.executor().failures() {
+                    self.handle_failure(id, failure, deadline);
                 }
             }
             // A flow keeps the lock while it runs scheduler steps over many slots in which no robot is due.
@@ -384,37 +384,37 @@ impl Scheduler {
                     self.report_computing(&running);
                 }
                 for id in self.unresponsive(&running) {
-                    self.handle_broken(id, Broken::unstoppable(), deadline);
+                    self.handle_failure(id, Failure::unstoppable(), deadline);
                     self.abandoned.push(id);
                 }
             }
         }
     }
 
-    /// Handles a broken flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in time.
-    fn handle_broken(&mut self, id: RobotId, broken: Broken, deadline: Option<Instant>) {
-        if self.abandoned.contains(&id) || self.broken.iter().any(|(known, _)| *known == id) {
+    /// Handles a failed flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in time.
+    fn handle_failure(&mut self, id: RobotId, failure: Failure, deadline: Option<Instant>) {
+        if self.abandoned.contains(&id) || self.failures.iter().any(|(known, _)| *known == id) {
             return;
         }
         let run = &self.run;
-        if broken.is_overdue && run.is_removed(id) {
+        if failure.is_overdue && run.is_removed(id) {
             self.abandoned.push(id);
             let ending = run.abandon(id);
             run.robot(id).ending.get_or_insert(ending);
         } else {
-            let broken = run.with_task(id, broken);
-            if run.program(id).is_some_and(|program| program_status::has_lost_heap(&broken, program)) {
+            let failure = run.with_task(id, failure);
+            if run.program(id).is_some_and(|program| program_status::has_lost_heap(&failure, program)) {
                 damage::mark_heap_lost();
             }
-            let broken = {
+            let failure = {
                 let mut robot = run.robot(id);
-                let broken = broken.with_reason(robot.ending.as_ref());
-                broken.unfinished.iter().for_each(|(stream, line)| print_lines(&mut robot, *stream, line));
-                robot.ending.get_or_insert(broken.ending());
-                broken
+                let failure = failure.with_reason(robot.ending.as_ref());
+                failure.unfinished.iter().for_each(|(stream, line)| print_lines(&mut robot, *stream, line));
+                robot.ending.get_or_insert(failure.ending());
+                failure
             };
-            self.broken.push((id, broken));
-            run.dispatcher.lock().end_with(EndReason::Broken);
+            self.failures.push((id, failure));
+            run.dispatcher.lock().end_with(EndReason::ProgramFailed);
         }
         // The thread of a program that has ended may still fault in a destructor of a thread-local.
         if !run.dispatcher.lock().has_departed(id) {
@@ -481,10 +481,10 @@ impl Scheduler {
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
-    /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has broken, so that
+    /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has failed, so that
     /// no code of a damaged process adds to the record.
     fn exit_programs(&mut self) {
-        if self.has_requested_exit || !self.broken.is_empty() || self.run.executor().must_end() {
+        if self.has_requested_exit || !self.failures.is_empty() || self.run.executor().must_end() {
             return;
         }
         self.has_requested_exit = true;
@@ -526,12 +526,12 @@ impl Scheduler {
         let mut robots = Vec::with_capacity(run.robot_count());
         for id in (0..run.robot_count()).map(RobotId::from_index) {
             let mut robot = run.robot(id);
-            let broken = self.broken.iter().find(|(other, _)| *other == id).map(|(_, broken)| broken);
+            let failure = self.failures.iter().find(|(other, _)| *other == id).map(|(_, failure)| failure);
             let status = match run.program(id) {
-                Some(_) if broken.is_none() && run.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
+                Some(_) if failure.is_none() && run.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
                     if robot.is_removed { ProgramStatus::removed() } else { ProgramStatus::halted() }
                 }
-                Some(program) => program_status::judge(&mut robot, &run_end, broken, program),
+                Some(program) => program_status::judge(&mut robot, &run_end, failure, program),
                 None => ProgramStatus::without_program(),
             };
             environment.finish_radio(&mut robot.state);

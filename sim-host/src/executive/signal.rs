@@ -1,11 +1,11 @@
-//! Signal handlers that catch the faults of robot programs.
+//! Signal handlers that catch the crashes of robot programs.
 //!
-//! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack
+//! A crash of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack
 //! and written into the thread's [`FlowBlock`], and the thread is parked permanently: no code of the program runs on it
 //! again. The supervisor handles the rest. The handler calls only `write` and `pause`, and touches only memory
 //! allocated before.
 //!
-//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is not a robot's flow is passed
+//! [`Handlers`] are installed while any flow of any run lives. A crash in a thread that is not a robot's flow is passed
 //! to the previous handler.
 
 use std::cell::Cell;
@@ -39,7 +39,7 @@ pub struct FlowBlock {
     pub last_call: AtomicU16,
     /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
-    /// Passes faults of the thread to the handlers that the process had before the run.
+    /// Passes crashes of the thread to the handlers that the process had before the run.
     passes_faults_to_process: AtomicBool,
     /// The program's floating-point environment while the host uses the default one; 0 if the program also uses the default.
     float_environment: AtomicU32,
@@ -49,17 +49,17 @@ pub struct FlowBlock {
     backtrace_state: AtomicU8,
     /// Program counter and stack pointer of the location.
     location_registers: [AtomicUsize; 2],
-    fault_signal: AtomicI32,
-    fault_code: AtomicI32,
-    fault_address: AtomicUsize,
-    fault_pc: AtomicUsize,
-    fault_sp: AtomicUsize,
+    crash_signal: AtomicI32,
+    crash_code: AtomicI32,
+    crash_address: AtomicUsize,
+    crash_pc: AtomicUsize,
+    crash_sp: AtomicUsize,
     /// Address of the program's console streams; 0 if it has none.
     consoles: AtomicUsize,
-    /// For each stream, the length and address of its unfinished line at the fault.
+    /// For each stream, the length and address of its unfinished line at the crash.
     unfinished: [[AtomicUsize; 2]; 2],
-    has_faulted: AtomicBool,
-    on_fault: OnFault,
+    has_crashed: AtomicBool,
+    on_crash: OnCrash,
     /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
     /// [`MARK`] combined with the block's address, once a thread has adopted the block; it distinguishes the block from
@@ -79,17 +79,17 @@ const BACKTRACE_READY: u8 = 0;
 /// The signal that requests the location has been sent.
 const BACKTRACE_REQUESTED: u8 = 1;
 
-/// Action at a fault.
-enum OnFault {
+/// Action at a crash.
+enum OnCrash {
     /// Parks the thread and notifies the supervisor of its run.
     Park(Arc<Notifier>),
-    /// Leaves the fiber, whose worker then publishes the fault.
+    /// Leaves the fiber, whose worker then publishes the crash.
     Leave { exits: FiberExits, notifier: Arc<Notifier> },
     /// Calls this async-signal-safe function.
-    Report(FaultCallback),
+    Report(CrashCallback),
 }
 
-/// Functions that leave a broken fiber.
+/// Functions that leave a failed fiber.
 #[derive(Clone, Copy)]
 pub struct FiberExits {
     /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns; async-signal-safe.
@@ -98,13 +98,13 @@ pub struct FiberExits {
     pub from_call: fn() -> !,
 }
 
-/// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread continues.
-pub type FaultCallback = fn(&FlowBlock, Fault);
+/// Callback for a crash of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread continues.
+pub type CrashCallback = fn(&FlowBlock, Crash);
 
-/// A fault as the kernel reported it.
+/// A crash as the kernel reported it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Fault {
-    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread, [`GONE`] if the thread has ended.
+pub struct Crash {
+    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread, [`THREAD_ENDED`] if the thread has ended.
     pub signal: i32,
     /// The kernel's code of the cause (`si_code`); 0 if unknown, negative if the signal was sent and no instruction caused it.
     pub code: i32,
@@ -129,7 +129,7 @@ const DIVISION_OVERFLOW: i32 = 2;
 pub const EXIT_CALLED: i32 = -2;
 
 /// Used instead of a signal number: the thread has ended without the executor's knowledge.
-pub const GONE: i32 = -1;
+pub const THREAD_ENDED: i32 = -1;
 
 /// Size of a thread's alternate stack: the handler needs little, the kernel saves up to 12 KiB of registers there.
 const ALTERNATE_STACK: usize = 64 * 1024;
@@ -140,22 +140,22 @@ thread_local! {
 }
 
 impl FlowBlock {
-    /// Creates a block whose thread does not run yet; a fault parks the thread and signals `notifier`.
+    /// Creates a block whose thread does not run yet; a crash parks the thread and signals `notifier`.
     pub fn of_thread(notifier: Arc<Notifier>) -> Self {
-        Self::new(OnFault::Park(notifier))
+        Self::new(OnCrash::Park(notifier))
     }
 
-    /// Creates the block of a fiber; at a fault, its thread leaves the fiber.
+    /// Creates the block of a fiber; at a crash, its thread leaves the fiber.
     pub fn of_fiber(exits: FiberExits, notifier: Arc<Notifier>) -> Self {
-        Self::new(OnFault::Leave { exits, notifier })
+        Self::new(OnCrash::Leave { exits, notifier })
     }
 
-    /// Creates a block whose faults are passed to `report`.
-    pub fn reporting(report: FaultCallback) -> Self {
-        Self::new(OnFault::Report(report))
+    /// Creates a block whose crashes are passed to `report`.
+    pub fn reporting(report: CrashCallback) -> Self {
+        Self::new(OnCrash::Report(report))
     }
 
-    fn new(on_fault: OnFault) -> Self {
+    fn new(on_crash: OnCrash) -> Self {
         Self {
             tid: AtomicI32::new(0),
             stack: Default::default(),
@@ -168,15 +168,15 @@ impl FlowBlock {
             is_overdue: AtomicBool::new(false),
             backtrace_state: AtomicU8::new(BACKTRACE_READY),
             location_registers: Default::default(),
-            fault_signal: AtomicI32::new(0),
-            fault_code: AtomicI32::new(0),
-            fault_address: AtomicUsize::new(0),
-            fault_pc: AtomicUsize::new(0),
-            fault_sp: AtomicUsize::new(0),
+            crash_signal: AtomicI32::new(0),
+            crash_code: AtomicI32::new(0),
+            crash_address: AtomicUsize::new(0),
+            crash_pc: AtomicUsize::new(0),
+            crash_sp: AtomicUsize::new(0),
             consoles: AtomicUsize::new(0),
             unfinished: Default::default(),
-            has_faulted: AtomicBool::new(false),
-            on_fault,
+            has_crashed: AtomicBool::new(false),
+            on_crash,
             alternate_stack: AtomicUsize::new(0),
             mark: AtomicUsize::new(0),
         }
@@ -199,20 +199,20 @@ impl FlowBlock {
         copied == 1 && word[0] == address.addr() ^ MARK
     }
 
-    /// Passes faults of the block's thread to the handlers of the process from now on, for code that may hold locks of the
+    /// Passes crashes of the block's thread to the handlers of the process from now on, for code that may hold locks of the
     /// process.
     pub fn pass_faults_to_process(&self) {
         self.passes_faults_to_process.store(true, Ordering::Relaxed);
     }
 
-    /// The fault that parked this thread.
-    pub fn fault(&self) -> Option<Fault> {
-        self.has_faulted.load(Ordering::Acquire).then(|| Fault {
-            signal: self.fault_signal.load(Ordering::Relaxed),
-            code: self.fault_code.load(Ordering::Relaxed),
-            address: self.fault_address.load(Ordering::Relaxed),
-            pc: self.fault_pc.load(Ordering::Relaxed),
-            sp: self.fault_sp.load(Ordering::Relaxed),
+    /// The crash that parked this thread.
+    pub fn crash(&self) -> Option<Crash> {
+        self.has_crashed.load(Ordering::Acquire).then(|| Crash {
+            signal: self.crash_signal.load(Ordering::Relaxed),
+            code: self.crash_code.load(Ordering::Relaxed),
+            address: self.crash_address.load(Ordering::Relaxed),
+            pc: self.crash_pc.load(Ordering::Relaxed),
+            sp: self.crash_sp.load(Ordering::Relaxed),
         })
     }
 
@@ -238,17 +238,17 @@ impl FlowBlock {
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
         if self.is_overdue.load(Ordering::Relaxed) {
-            self.stop_faulted(Fault { signal: OVERDUE_SIGNAL, ..Fault::default() });
+            self.stop_crashed(Crash { signal: OVERDUE_SIGNAL, ..Crash::default() });
         }
     }
 
     /// Permanently stops the calling flow, to which the block belongs; async-signal-safe for threads.
-    fn stop_faulted(&self, fault: Fault) -> ! {
-        if let OnFault::Leave { exits, .. } = &self.on_fault {
-            self.store(fault);
+    fn stop_crashed(&self, crash: Crash) -> ! {
+        if let OnCrash::Leave { exits, .. } = &self.on_crash {
+            self.store(crash);
             (exits.from_call)();
         }
-        self.publish(fault);
+        self.publish(crash);
         loop {
             // SAFETY: pause is async-signal-safe; the thread stays here until the process ends.
             unsafe { libc::pause() };
@@ -257,24 +257,24 @@ impl FlowBlock {
 
     /// Marks the block's thread as gone: it has ended without returning from its flow, by a system call of the program.
     pub fn set_gone(&self) {
-        self.publish(Fault { signal: GONE, ..Fault::default() });
+        self.publish(Crash { signal: THREAD_ENDED, ..Crash::default() });
     }
 
-    /// Publishes the fault and notifies the supervisor; async-signal-safe.
-    fn publish(&self, fault: Fault) {
-        self.store(fault);
+    /// Publishes the crash and notifies the supervisor; async-signal-safe.
+    fn publish(&self, crash: Crash) {
+        self.store(crash);
         self.publish_stored();
     }
 
-    /// Stores the fault, which is not published yet; async-signal-safe.
-    fn store(&self, fault: Fault) {
-        self.fault_signal.store(fault.signal, Ordering::Relaxed);
-        self.fault_code.store(fault.code, Ordering::Relaxed);
-        self.fault_address.store(fault.address, Ordering::Relaxed);
-        self.fault_pc.store(fault.pc, Ordering::Relaxed);
+    /// Stores the crash, which is not published yet; async-signal-safe.
+    fn store(&self, crash: Crash) {
+        self.crash_signal.store(crash.signal, Ordering::Relaxed);
+        self.crash_code.store(crash.code, Ordering::Relaxed);
+        self.crash_address.store(crash.address, Ordering::Relaxed);
+        self.crash_pc.store(crash.pc, Ordering::Relaxed);
         // While a call runs on the worker's stack, the frames of the program are those above the call.
         let caller_sp = self.caller_sp.load(Ordering::Relaxed);
-        self.fault_sp.store(if caller_sp == 0 { fault.sp } else { caller_sp }, Ordering::Relaxed);
+        self.crash_sp.store(if caller_sp == 0 { crash.sp } else { caller_sp }, Ordering::Relaxed);
         self.store_unfinished();
     }
 
@@ -300,7 +300,7 @@ impl FlowBlock {
         }
     }
 
-    /// Copies the unfinished line of standard output (0) or standard error (1) at the fault to `line`; returns its length in bytes.
+    /// Copies the unfinished line of standard output (0) or standard error (1) at the crash to `line`; returns its length in bytes.
     /// Async-signal-safe.
     pub fn unfinished_line(&self, console: usize, line: &mut [usize; CONSOLE_LINE / size_of::<usize>()]) -> usize {
         let [used, address] = self.unfinished[console].each_ref().map(|word| word.load(Ordering::Relaxed));
@@ -308,16 +308,16 @@ impl FlowBlock {
         used.min(copied * size_of::<usize>())
     }
 
-    /// Returns true if a fault is stored.
+    /// Returns true if a crash is stored.
     pub fn has_stored_fault(&self) -> bool {
-        self.fault_signal.load(Ordering::Relaxed) != 0
+        self.crash_signal.load(Ordering::Relaxed) != 0
     }
 
-    /// Publishes the stored fault and notifies the supervisor; async-signal-safe. A fiber's fault is published once the fiber has been
+    /// Publishes the stored crash and notifies the supervisor; async-signal-safe. A fiber's crash is published once the fiber has been
     /// left.
     pub fn publish_stored(&self) {
-        self.has_faulted.store(true, Ordering::Release);
-        if let OnFault::Park(notifier) | OnFault::Leave { notifier, .. } = &self.on_fault {
+        self.has_crashed.store(true, Ordering::Release);
+        if let OnCrash::Park(notifier) | OnCrash::Leave { notifier, .. } = &self.on_crash {
             notifier.notify_break();
         }
     }
@@ -335,7 +335,7 @@ impl FlowBlock {
         if low == 0 { usize::MAX } else { ((&raw const local) as usize).saturating_sub(low) }
     }
 
-    /// Makes this block the calling thread's: records the stack bounds and catches the thread's faults from now on.
+    /// Makes this block the calling thread's: records the stack bounds and catches the thread's crashes from now on.
     ///
     /// # Errors
     /// The alternate stack cannot be mapped or set.
@@ -390,7 +390,7 @@ impl Drop for FlowBlock {
     }
 }
 
-/// Catches the faults of flows as long as any value of this type lives; dropping the last value restores the previous
+/// Catches the crashes of flows as long as any value of this type lives; dropping the last value restores the previous
 /// handlers.
 #[derive(Debug)]
 pub struct Handlers(());
@@ -451,10 +451,10 @@ impl Handlers {
     /// stay.
     pub fn reinstall(is_of_program: impl Fn(usize) -> bool) {
         let state = HANDLER_STATE.lock();
-        let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
+        let on_crash = action(on_crash as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
         for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&state.previous) {
             if previous.is_some() {
-                reinstall(signal, &on_fault, &is_of_program);
+                reinstall(signal, &on_crash, &is_of_program);
             }
         }
     }
@@ -478,7 +478,7 @@ impl Drop for Handlers {
 impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
         guard_process();
-        let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
+        let on_crash = action(on_crash as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
         for (index, signal) in CAUGHT_SIGNALS.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
@@ -488,8 +488,8 @@ impl HandlerState {
             if self.previous[index].is_none() || is_reset {
                 PREVIOUS_ACTIONS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
                 PREVIOUS_ACTIONS[index].flags.store(previous.sa_flags, Ordering::Release);
-                // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
-                unsafe { change_action(signal, Some(&on_fault)) }?;
+                // SAFETY: `on_crash` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
+                unsafe { change_action(signal, Some(&on_crash)) }?;
                 self.previous[index] = Some(previous);
             }
         }
@@ -501,7 +501,7 @@ impl HandlerState {
     fn restore(&mut self) {
         ARE_INSTALLED.store(false, Ordering::Release);
         for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&mut self.previous) {
-            let is_ours = |now: libc::sigaction| now.sa_sigaction == on_fault as *const () as usize;
+            let is_ours = |now: libc::sigaction| now.sa_sigaction == on_crash as *const () as usize;
             // SAFETY: the first call changes nothing, the second restores the previous action, which came from the kernel.
             unsafe {
                 if previous.is_some() && change_action(signal, None).is_ok_and(is_ours) {
@@ -529,14 +529,14 @@ fn guard_process() {
 fn block_of_program<'a>() -> Option<&'a FlowBlock> {
     // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`), which does not pass it on.
     let block = unsafe { CURRENT.get().as_ref() }?;
-    (!matches!(block.on_fault, OnFault::Report(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
+    (!matches!(block.on_crash, OnCrash::Report(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
 }
 
 /// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is called.
 extern "C" fn on_exit() {
     if let Some(block) = block_of_program() {
         let local = 0u8;
-        block.stop_faulted(Fault { signal: EXIT_CALLED, sp: (&raw const local).addr(), ..Fault::default() });
+        block.stop_crashed(Crash { signal: EXIT_CALLED, sp: (&raw const local).addr(), ..Crash::default() });
     }
 }
 
@@ -570,7 +570,7 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
     let is_from_kernel = unsafe { (*info).si_code } > 0;
     match handler.addr() {
         libc::SIG_IGN if !is_from_kernel => {}
-        // A fault cannot be ignored.
+        // A crash cannot be ignored.
         libc::SIG_DFL | libc::SIG_IGN if signal != OVERDUE_SIGNAL => default_action(signal),
         libc::SIG_DFL | libc::SIG_IGN => {}
         _ if flags & libc::SA_SIGINFO != 0 => {
@@ -583,7 +583,7 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
     }
 }
 
-/// Installs the handlers permanently in a robot's own process: they catch faults of the threads whose blocks
+/// Installs the handlers permanently in a robot's own process: they catch crashes of the threads whose blocks
 /// [report](FlowBlock::reporting) them. Signals that interrupt the host are ignored: the host handles them.
 ///
 /// # Errors
@@ -635,7 +635,7 @@ pub fn default_action(signal: i32) {
     }
 }
 
-/// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
+/// Stops the thread of `block` where it is, as a crash of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &FlowBlock) {
     block.is_overdue.store(true, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
@@ -664,7 +664,7 @@ pub fn backtrace(block: &FlowBlock) -> Option<[usize; 2]> {
     Some([0, 1].map(|index| block.location_registers[index].load(Ordering::Relaxed)))
 }
 
-extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
+extern "C" fn on_crash(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
     let block = CURRENT.get();
     if block.is_null() || !FlowBlock::is_at(block) {
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
@@ -677,7 +677,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         // SAFETY: as above.
         return unsafe { chain_to_previous(signal, info, context) };
     }
-    if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
+    if !matches!(block.on_crash, OnCrash::Report(_)) && signal == OVERDUE_SIGNAL {
         // The signal may be late: another fiber runs on the thread by now. Inside a call, the thread stops when it
         // leaves the host.
         let in_host = block.in_host.load(Ordering::Relaxed);
@@ -700,18 +700,18 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         DIVISION_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOW,
         code => code,
     };
-    let fault = Fault { signal, code, address, pc, sp };
-    if !matches!(block.on_fault, OnFault::Report(_)) {
+    let crash = Crash { signal, code, address, pc, sp };
+    if !matches!(block.on_crash, OnCrash::Report(_)) {
         interrupt::arm_last_resort();
     }
-    match &block.on_fault {
-        OnFault::Park(_) => block.stop_faulted(fault),
-        OnFault::Leave { exits, .. } => {
-            block.store(fault);
+    match &block.on_crash {
+        OnCrash::Park(_) => block.stop_crashed(crash),
+        OnCrash::Leave { exits, .. } => {
+            block.store(crash);
             // SAFETY: `context` is the kernel's context of a signal on the worker that runs the fiber of this block.
             unsafe { (exits.from_signal)(context.cast()) };
         }
-        OnFault::Report(report) => report(block, fault),
+        OnCrash::Report(report) => report(block, crash),
     }
 }
 
@@ -728,7 +728,7 @@ unsafe fn accessed_address(signal: i32, info: *mut libc::siginfo_t) -> usize {
     unsafe { (*info).si_addr() as usize }
 }
 
-/// Returns true if the quotient of a division that has faulted may have overflowed: the dividend is the minimum integer.
+/// Returns true if the quotient of a division that has trapped may have overflowed: the dividend is the minimum integer.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.
@@ -746,7 +746,7 @@ unsafe fn may_overflow(context: *mut libc::c_void) -> bool {
     }
 }
 
-/// Program counter and stack pointer at the fault.
+/// Program counter and stack pointer at the crash.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.
@@ -853,7 +853,7 @@ mod tests {
         let previous =
             unsafe { change_action(OVERDUE_SIGNAL, Some(&action(receive as *const () as usize, 0))) }.unwrap();
         let held = [Handlers::install().unwrap(), Handlers::install().unwrap()];
-        assert_eq!(handler(), on_fault as *const () as usize);
+        assert_eq!(handler(), on_crash as *const () as usize);
         // SAFETY: raise takes no pointer.
         unsafe { libc::raise(OVERDUE_SIGNAL) };
         assert_eq!(RECEIVED.load(Ordering::Relaxed), OVERDUE_SIGNAL);

@@ -14,7 +14,7 @@ use parking_lot::Mutex;
 use robios_sys::support::stream;
 use sim_core::RobotId;
 
-use super::fault::{Broken, stack_words};
+use super::failure::{Failure, stack_words};
 use super::guard::below_guard;
 use super::notifier::Notifier;
 use super::process::Child;
@@ -39,7 +39,7 @@ pub struct ThreadExecutor {
     robots: boxcar::Vec<Arc<RobotThreads>>,
     /// The processor of each worker.
     processors: Arc<[usize]>,
-    /// Notifier that broken flows signal; unset before the run begins.
+    /// Notifier that failed flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
 }
 
@@ -122,14 +122,14 @@ impl ThreadExecutor {
     }
 }
 
-/// Joins `thread`, which owns `block` and is about to end. Returns false if the thread breaks or has not ended after
+/// Joins `thread`, which owns `block` and is about to end. Returns false if the thread crashes or has not ended after
 /// `timeout`; then it is lost.
 pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration) -> bool {
-    /// Interval of the checks for a break.
+    /// Interval of the checks for a crash.
     const POLL_INTERVAL: Duration = Duration::from_millis(20);
     let thread = thread.into_pthread_t();
     let start = Instant::now();
-    while block.fault().is_none() && start.elapsed() < timeout {
+    while block.crash().is_none() && start.elapsed() < timeout {
         let until = (SystemTime::now() + POLL_INTERVAL).duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let until =
             libc::timespec { tv_sec: until.as_secs() as libc::time_t, tv_nsec: until.subsec_nanos() as libc::c_long };
@@ -169,7 +169,7 @@ impl ThreadFlow {
         flow
     }
 
-    /// Joins the thread, which has adopted this flow and is about to end. Returns false if the thread breaks or has not
+    /// Joins the thread, which has adopted this flow and is about to end. Returns false if the thread crashes or has not
     /// ended after `timeout`; then it is lost.
     fn join(self: &Arc<Self>, timeout: Duration) -> bool {
         let Some(thread) = self.thread.lock().take() else { return false };
@@ -218,7 +218,7 @@ impl RobotThreads {
         flow.begin_release();
         let ending = self.flows.lock().ending.clone();
         if let Some(ending) = ending {
-            // A flow that breaks notifies the supervisor; no other flow of the robot runs then.
+            // A flow that fails notifies the supervisor; no other flow of the robot runs then.
             while !ending.join(Duration::MAX) {
                 thread::park();
             }
@@ -274,8 +274,8 @@ impl Executor for ThreadExecutor {
             if list.is_empty() {
                 continue;
             }
-            let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
-            let should_end = !is_broken && has_departed(RobotId::from_index(index));
+            let has_failed = list.iter().any(|(_, flow)| flow.block.crash().is_some());
+            let should_end = !has_failed && has_departed(RobotId::from_index(index));
             for (_, flow) in list {
                 if !(should_end && flow.join(JOIN_TIMEOUT)) {
                     damage::count_lost_flow();
@@ -359,14 +359,14 @@ impl Executor for ThreadExecutor {
         threads.wait(ThreadFlow::current());
     }
 
-    fn broken(&self) -> Vec<(RobotId, Broken)> {
+    fn failures(&self) -> Vec<(RobotId, Failure)> {
         let mut all = Vec::new();
         for (index, threads) in &self.robots {
             let flows = threads.flows.lock();
             for (task, flow) in &flows.list {
                 let is_only_flow = *task == MAIN && flows.list.len() == 1;
-                let broken = broken(&flow.block, (!is_only_flow).then_some(*task));
-                all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
+                let failure = failure(&flow.block, (!is_only_flow).then_some(*task));
+                all.extend(failure.map(|failure| (RobotId::from_index(index), failure)));
             }
         }
         all
@@ -426,22 +426,22 @@ pub(super) fn backtrace(block: &FlowBlock) -> Vec<usize> {
     std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }
 
-/// Describes the fault of the flow of `block`, if any, and names `task`.
-pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
-    let fault = block.fault()?;
+/// Describes the crash of the flow of `block`, if any, and names `task`.
+pub(super) fn failure(block: &FlowBlock, task: Option<u32>) -> Option<Failure> {
+    let crash = block.crash()?;
     let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
-    let stack_words = stack_words(fault.sp, bounds);
-    damage::assess(&fault, &stack_words);
+    let stack_words = stack_words(crash.sp, bounds);
+    damage::assess(&crash, &stack_words);
     let unfinished = [stream::OUT, stream::ERR].into_iter().enumerate().map(|(console, stream)| {
         let mut line = [0; _];
         let len = block.unfinished_line(console, &mut line);
         let bytes: Vec<u8> = line.iter().flat_map(|word| word.to_ne_bytes()).take(len).collect();
         (stream, String::from_utf8_lossy(&bytes).into_owned())
     });
-    let broken = Broken::new(fault, bounds, last_call, stack_words).with_unfinished(unfinished.collect());
+    let failure = Failure::new(crash, bounds, last_call, stack_words).with_unfinished(unfinished.collect());
     Some(match task {
-        Some(task) => broken.in_task(task),
-        None => broken,
+        Some(task) => failure.in_task(task),
+        None => failure,
     })
 }
 

@@ -27,7 +27,7 @@ pub struct Case {
 use Language::{C, C7, Cpp, Python, Rust};
 
 /// Crashes: name, statements in C, expected texts.
-const FAULTS: &[(&str, &str, &[&str])] = &[
+const CRASHES: &[(&str, &str, &[&str])] = &[
     ("null write", "*(volatile int *)0 = 1;", &["segmentation fault at address 0x0"]),
     ("null read", "sink = *(volatile int *)8;", &["segmentation fault at address 0x8"]),
     ("null call", "((void (*)(void))(intptr_t)sink0)();", &["segmentation fault at address 0x0"]),
@@ -48,22 +48,22 @@ const FAULTS: &[(&str, &str, &[&str])] = &[
     ("exit with 3", "exit(3);", &["exit code 3"]),
 ];
 
-/// Places of a crash: name, and the program around `FAULT`.
+/// Places of a crash: name, and the program around `CRASH`.
 const PLACES: &[(&str, &str)] = &[
-    ("main", "int main(void) { OSWait(20); FAULT return 0; }"),
-    ("timer", "static void f(void) { FAULT } int main(void) { OSAttachTimer(10, f); OSWait(50); return 0; }"),
+    ("main", "int main(void) { OSWait(20); CRASH return 0; }"),
+    ("timer", "static void f(void) { CRASH } int main(void) { OSAttachTimer(10, f); OSWait(50); return 0; }"),
     (
         "task",
-        "static void *f(void *p) { FAULT return p; } int main(void) { pthread_t t; OSWait(20); pthread_create(&t, 0, f, 0); pthread_join(t, 0); return 0; }",
+        "static void *f(void *p) { CRASH return p; } int main(void) { pthread_t t; OSWait(20); pthread_create(&t, 0, f, 0); pthread_join(t, 0); return 0; }",
     ),
     (
         "constructor",
-        "__attribute__((constructor)) static void f(void) { FAULT } int main(void) { OSWait(20); return 0; }",
+        "__attribute__((constructor)) static void f(void) { CRASH } int main(void) { OSWait(20); return 0; }",
     ),
-    ("atexit", "static void f(void) { FAULT } int main(void) { OSWait(20); atexit(f); return 0; }"),
+    ("atexit", "static void f(void) { CRASH } int main(void) { OSWait(20); atexit(f); return 0; }"),
     (
         "qsort",
-        "static int f(const void *a, const void *b) { FAULT return a < b; } int main(void) { int l[2] = {2, 1}; OSWait(20); qsort(l, 2, sizeof *l, f); return 0; }",
+        "static int f(const void *a, const void *b) { CRASH return a < b; } int main(void) { int l[2] = {2, 1}; OSWait(20); qsort(l, 2, sizeof *l, f); return 0; }",
     ),
 ];
 
@@ -346,15 +346,15 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     ("threads", "semaphore that nobody posts", "{ sem_t s; sem_init(&s, 0, 0); sem_wait(&s); }", &[]),
     (
         "threads",
-        "foreign thread that faults",
-        "foreign(faults); OSWait(300);",
+        "foreign thread that crashes",
+        "foreign(crashes); OSWait(300);",
         &["started by itself", "segmentation", "killed by signal 11"],
     ),
     ("threads", "foreign thread that loops", "foreign(spins); OSWait(20);", &[]),
     ("threads", "foreign thread that calls", "foreign(calls); OSWait(20);", &[]),
     ("forks", "fork that loops", "if (fork() == 0) for (;;) ; OSWait(50);", &[]),
     ("forks", "fork that calls", "if (fork() == 0) { OSWait(10); exit(0); } OSWait(50);", &[]),
-    ("forks", "fork that faults", "if (fork() == 0) *(volatile int *)0 = 1; OSWait(50);", &[]),
+    ("forks", "fork that crashes", "if (fork() == 0) *(volatile int *)0 = 1; OSWait(50);", &[]),
     ("forks", "raw fork", "if (syscall(SYS_fork) == 0) for (;;) syscall(SYS_pause); OSWait(50);", &[]),
     (
         "forks",
@@ -439,7 +439,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     (
         "memory",
         "own text zeroed through /proc/self/mem",
-        "{ static char z[4096]; int f = open(\"/proc/self/mem\", O_RDWR); pwrite(f, z, 4096, (long)&faults & -4096); faults(0); }",
+        "{ static char z[4096]; int f = open(\"/proc/self/mem\", O_RDWR); pwrite(f, z, 4096, (long)&crashes & -4096); crashes(0); }",
         &["segmentation fault", "illegal"],
     ),
     (
@@ -469,7 +469,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
     (
         "memory",
         "own text unmapped",
-        "munmap((void *)((intptr_t)&faults & -4096), 4096); faults(0);",
+        "munmap((void *)((intptr_t)&crashes & -4096), 4096); crashes(0);",
         &["segmentation fault"],
     ),
     (
@@ -659,7 +659,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     ),
     (
         "libraries",
-        "IFUNC that faults",
+        "IFUNC that crashes",
         C,
         "static void (*r(void))(void) { *(volatile int *)0 = 1; return 0; } void f(void) __attribute__((ifunc(\"r\"))); int main(void) { f(); return 0; }",
         &["segmentation fault"],
@@ -673,7 +673,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     ),
     (
         "libraries",
-        "destructor that faults",
+        "destructor that crashes",
         C,
         "__attribute__((destructor)) static void f(void) { *(volatile int *)0 = 1; } int main(void) { OSWait(20); return 0; }",
         &[],
@@ -1197,7 +1197,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     ("Rust", "prints for ever", Rust, "print", &[]),
     ("Rust", "destructor that loops while panicking", Rust, "drop-loop", &["too long without a RoBIOS call"]),
     ("Rust", "constructor that loops", Rust, "constructor loop", &["too long without a RoBIOS call"]),
-    ("Rust", "constructor that faults", Rust, "constructor null", &["segmentation fault at address 0x4"]),
+    ("Rust", "constructor that crashes", Rust, "constructor null", &["segmentation fault at address 0x4"]),
     ("Rust", "constructor that panics", Rust, "constructor panic", &["abort"]),
     ("Rust", "constructor that exits with 0", Rust, "constructor exit", &["called `exit`", "without a message"]),
     (
@@ -1257,7 +1257,7 @@ static void *idle(void *p) { OSWait(100); return p; }
 static void *spin(void *p) { (void)p; for (;;) OSGetCount(); }
 static void *crossed(void *p) { pthread_mutex_lock(&two); OSWait(20); pthread_mutex_lock(&one); return p; }
 static void *jump_task(void *p) { longjmp(place, 1); return p; }
-static void *faults(void *p) { *(volatile int *)0 = 1; return p; }
+static void *crashes(void *p) { *(volatile int *)0 = 1; return p; }
 static void *spins(void *p) { for (;;) sink = 1; return p; }
 static volatile long victim;
 #define RAW(number, code) __asm__ volatile("syscall" : : "a"((long)(number)), "D"((long)(code)) : "rcx", "r11", "memory")
@@ -1275,7 +1275,7 @@ static void foreign(void *(*f)(void *)) {
     create(&t, 0, f, 0);
 }
 #define unused (void)one, (void)two, (void)deep, (void)smash, (void)overrun, (void)keep, (void)nothing, (void)jumps, (void)quiet, (void)waits, \
-    (void)again, (void)jump_out, (void)on_own_stack, (void)idle, (void)spin, (void)crossed, (void)jump_task, (void)faults, \
+    (void)again, (void)jump_out, (void)on_own_stack, (void)idle, (void)spin, (void)crossed, (void)jump_task, (void)crashes, \
     (void)spins, (void)calls, (void)victim, (void)storm, (void)leaves, (void)shares, (void)anew, (void)leave_raw, (void)foreign, (void)sinkd, (void)zero, (void)sinkp, (void)place
 "#;
 
@@ -1296,9 +1296,9 @@ pub fn all() -> Vec<Case> {
     let c = |text: String| format!("{HEAD}{text}\n");
     let mut cases = Vec::new();
     for (index, program) in PLACES {
-        for (fault, statements, told) in FAULTS {
-            let source = c(program.replace("FAULT", statements).replacen("{ ", "{ unused; ", 1));
-            cases.push(Case { class: "faults", name: format!("{fault} in {index}"), language: C, source, told });
+        for (crash, statements, told) in CRASHES {
+            let source = c(program.replace("CRASH", statements).replacen("{ ", "{ unused; ", 1));
+            cases.push(Case { class: "crashes", name: format!("{crash} in {index}"), language: C, source, told });
         }
     }
     for (class, name, statements, told) in BODIES {

@@ -5,7 +5,7 @@
 //! `errno`, across calls. A switch saves the program's state that is stored per thread: `errno` and the floating-point
 //! environment.
 //!
-//! After a fault the fiber never runs again: the signal handler lets the worker continue as if the fiber had suspended
+//! After a crash the fiber never runs again: the signal handler lets the worker continue as if the fiber had suspended
 //! itself. The fiber, its stack and its program are kept unchanged until the process ends. The return path to the
 //! worker does not use the fiber's stack, so this works even if the program has destroyed its stack.
 
@@ -30,7 +30,7 @@ use parking_lot::Mutex;
 use sim_core::RobotId;
 
 use self::stack::{Stack, Stacks};
-use super::fault::Broken;
+use super::failure::Failure;
 use super::notifier::Notifier;
 use super::prefetch::{prefetch, prefetch_value};
 use super::process::Child;
@@ -58,7 +58,7 @@ pub struct FiberExecutor {
     /// The parallel loop with which idle workers help.
     shared_loop: Arc<SharedLoop>,
     stacks: Arc<Stacks>,
-    /// Notifier that broken flows signal; unset before the run begins.
+    /// Notifier that failed flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
 }
 
@@ -140,8 +140,8 @@ enum Status {
     Suspended,
     Running,
     Ended,
-    /// The fiber has faulted.
-    Broken,
+    /// The fiber has crashed.
+    Failed,
 }
 
 /// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is no fiber. `work` must not suspend the flow.
@@ -247,7 +247,7 @@ impl RunningWorker {
             let _ = sender.send(result);
             if is_adopted {
                 own_worker.run();
-                // SAFETY: no fiber runs any more. A fault in the C library's work at the end of the thread is
+                // SAFETY: no fiber runs any more. A crash in the C library's work at the end of the thread is
                 // attributed to this thread.
                 unsafe { signal::set_current(&raw const own_worker.block) };
             }
@@ -278,7 +278,7 @@ impl RunningWorker {
             }
             thread::sleep(POLL_INTERVAL);
         }
-        // At the end of a thread the C library frees memory; if a program broke with the heap locked, this would wait
+        // At the end of a thread the C library frees memory; if a program failed with the heap locked, this would wait
         // forever.
         if damage::is_heap_lost() {
             return false;
@@ -378,13 +378,13 @@ impl Worker {
         self.is_parked.store(false, Ordering::SeqCst);
     }
 
-    /// Runs `fiber` until it suspends itself, ends or faults.
+    /// Runs `fiber` until it suspends itself, ends or crashes.
     fn advance(&self, robot: &Arc<RobotFibers>, fiber: &Arc<Fiber>) {
         match fiber.status() {
             Status::New => fiber.block.adopt_fiber(&self.block, fiber.stack.bounds()),
             Status::Suspended => {}
             // The fiber was resumed while it ended, or its run gave it up.
-            Status::Running | Status::Ended | Status::Broken => return,
+            Status::Running | Status::Ended | Status::Failed => return,
         }
         fiber.set_status(Status::Running);
         fiber.begin_release();
@@ -410,7 +410,7 @@ impl Worker {
         CURRENT.set(ptr::null());
         if fiber.block.has_stored_fault() {
             float::reset();
-            fiber.set_status(Status::Broken);
+            fiber.set_status(Status::Failed);
             // From here on, nothing writes to the stack.
             fiber.block.publish_stored();
         } else if fiber.status() == Status::Ended {
@@ -502,7 +502,7 @@ impl Fiber {
     }
 
     fn status(&self) -> Status {
-        const ALL: [Status; 5] = [Status::New, Status::Suspended, Status::Running, Status::Ended, Status::Broken];
+        const ALL: [Status; 5] = [Status::New, Status::Suspended, Status::Running, Status::Ended, Status::Failed];
         ALL[usize::from(self.status.load(Ordering::Acquire))]
     }
 
@@ -574,7 +574,7 @@ impl Fiber {
         }
     }
 
-    /// Leaves the calling fiber, never to return: it has ended, or its fault is stored.
+    /// Leaves the calling fiber, never to return: it has ended, or its crash is stored.
     fn leave_from_call() -> ! {
         loop {
             Self::current().suspend();
@@ -617,8 +617,8 @@ impl Executor for FiberExecutor {
         let deadline = Instant::now() + JOIN_TIMEOUT;
         for (index, robot) in &self.robots {
             let list = std::mem::take(&mut *robot.flows.lock()).list;
-            let is_broken = list.iter().any(|(_, fiber)| fiber.block.fault().is_some());
-            let should_end = !is_broken && has_departed(RobotId::from_index(index));
+            let has_failed = list.iter().any(|(_, fiber)| fiber.block.crash().is_some());
+            let should_end = !has_failed && has_departed(RobotId::from_index(index));
             for (_, fiber) in list {
                 if !fiber.wait_for_end(should_end.then_some(deadline)) {
                     damage::count_lost_flow();
@@ -702,14 +702,14 @@ impl Executor for FiberExecutor {
         self.shared_loop.run(job, wake_workers);
     }
 
-    fn broken(&self) -> Vec<(RobotId, Broken)> {
+    fn failures(&self) -> Vec<(RobotId, Failure)> {
         let mut all = Vec::new();
         for (index, robot) in &self.robots {
             let flows = robot.flows.lock();
             for (task, fiber) in &flows.list {
                 let is_only_flow = *task == MAIN && flows.list.len() == 1;
-                let broken = threads::broken(&fiber.block, (!is_only_flow).then_some(*task));
-                all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
+                let failure = threads::failure(&fiber.block, (!is_only_flow).then_some(*task));
+                all.extend(failure.map(|failure| (RobotId::from_index(index), failure)));
             }
         }
         all

@@ -48,8 +48,8 @@ pub mod kind {
     pub const RETURNED: u32 = 4;
     /// `main` has returned.
     pub const EXITED: u32 = 5;
-    /// The program broke.
-    pub const FAULT: u32 = 6;
+    /// The program failed.
+    pub const CRASH: u32 = 6;
     /// Run `main`.
     pub const RUN: u32 = 16;
     /// Outputs and result of the call.
@@ -153,7 +153,7 @@ impl Channels {
         };
         let channels = Self { file };
         channels.grow_to(1)?;
-        // Otherwise a child could make the host fault by truncating the file.
+        // Otherwise a child could make the host crash by truncating the file.
         // SAFETY: the descriptor is open; the call takes no pointer.
         if unsafe { libc::fcntl(channels.file.as_raw_fd(), libc::F_ADD_SEALS, libc::F_SEAL_SHRINK) } < 0 {
             return Err(io::Error::last_os_error());

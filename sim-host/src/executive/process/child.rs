@@ -19,8 +19,8 @@ use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
 use crate::executive::confine::protect_host;
-use crate::executive::fault::{Broken, MAX_SEARCH_WORDS};
-use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
+use crate::executive::failure::{Failure, MAX_SEARCH_WORDS};
+use crate::executive::signal::{Crash, OVERDUE_SIGNAL, THREAD_ENDED};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
 use crate::host;
 use crate::program::command;
@@ -59,8 +59,8 @@ pub struct Child {
     is_debugged: bool,
     /// `main` has returned.
     has_exited: AtomicBool,
-    /// The first break of the child, after which it is lost.
-    lost: OnceLock<Broken>,
+    /// The first failure of the child, after which it is lost.
+    lost: OnceLock<Failure>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
     /// Functions of the program that the host may call, by their numbers in the child.
@@ -215,17 +215,17 @@ impl Child {
     /// # Errors
     /// See [`Child::receive`]; also if the user has interrupted this process, or if the child has used the time limit of loading, or slept
     /// for as long, without sending the message.
-    pub fn receive_first(&self) -> Result<Message, Broken> {
+    pub fn receive_first(&self) -> Result<Message, Failure> {
         let mut timer = ReleaseTimer::default();
         // A debugger has no time limit, and an interpreter reports when it imports modules, which may take long.
         while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
         {
             if command::is_interrupted() {
-                return Err(self.lose(self.broken("it was interrupted while its library was loaded")));
+                return Err(self.lose(self.failure("it was interrupted while its library was loaded")));
             }
             let sample = FlowSample::of_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
             if sample.is_some_and(|sample| timer.is_overdue(&sample, LOAD_TIMEOUT)) {
-                return Err(self.lose(self.broken(&format!(
+                return Err(self.lose(self.failure(&format!(
                     "its library was not loaded within {LOAD_TIMEOUT} s: a function that runs while it is being loaded does not return"
                 ))));
             }
@@ -236,15 +236,15 @@ impl Child {
     /// Waits for the child's next message on `channel`.
     ///
     /// # Errors
-    /// [`Broken`] if the child broke, ended or was ended; every later call returns the same.
-    pub fn receive(&self, channel: &Channel) -> Result<Message, Broken> {
+    /// [`Failure`] if the child failed, ended or was ended; every later call returns the same.
+    pub fn receive(&self, channel: &Channel) -> Result<Message, Failure> {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
         let mut missing_before = None;
         loop {
             if let Some(excess) = self.scratch.as_ref().and_then(|scratch| scratch.excess(self.pid)) {
-                return Err(self.lose(self.broken(&excess)));
+                return Err(self.lose(self.failure(&excess)));
             }
             if channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
                 break;
@@ -253,19 +253,19 @@ impl Child {
             if let Some(status) = self.exit_status()
                 && !channel.wait_for(Turn::Host, Some(Duration::ZERO))
             {
-                return Err(self.lose(self.broken_by_end(status)));
+                return Err(self.lose(self.failure_of_end(status)));
             }
             // The next thread of a task replaces the previous one; a thread that is missing in two checks has ended by itself.
             let missing = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost_thread(*thread));
             if missing.is_some() && missing == missing_before {
-                let fault = Fault { signal: GONE, ..Fault::default() };
+                let crash = Crash { signal: THREAD_ENDED, ..Crash::default() };
                 let last_call = self.last_call.load(Ordering::Relaxed);
-                return Err(self.lose(Broken::new(fault, [0; 2], last_call, Vec::new())));
+                return Err(self.lose(Failure::new(crash, [0; 2], last_call, Vec::new())));
             }
             missing_before = missing;
         }
         match channel.message() {
-            Some(message) if message.kind == kind::FAULT => Err(self.lose(self.fault(&message.body))),
+            Some(message) if message.kind == kind::CRASH => Err(self.lose(self.crash(&message.body))),
             Some(message) => {
                 self.has_exited.fetch_or(message.kind == kind::EXITED, Ordering::AcqRel);
                 Ok(message)
@@ -280,22 +280,23 @@ impl Child {
     }
 
     /// Abandons a child that has sent a malformed message.
-    pub fn malformed(&self) -> Broken {
-        self.lose(self.broken("its process sent a message that makes no sense: the program wrote where it may not"))
+    pub fn malformed(&self) -> Failure {
+        self.lose(self.failure("its process sent a message that makes no sense: the program wrote where it may not"))
     }
 
     /// Takes a channel for a task, on which a thread of the child waits to be called back.
     ///
     /// # Errors
-    /// [`Broken`] if the child was lost; also if the kernel lacks memory for another channel.
-    pub fn take_task_channel(&self) -> Result<Channel, Broken> {
+    /// [`Failure`] if the child was lost; also if the kernel lacks memory for another channel.
+    pub fn take_task_channel(&self) -> Result<Channel, Failure> {
         let mut tasks = self.task_channels.lock();
         if let Some(channel) = tasks.idle.pop() {
             return Ok(channel);
         }
         let number = tasks.count + 1;
         let channel = self.channels.grow_to(number + 1).and_then(|()| self.channels.map(number));
-        let channel = channel.map_err(|error| self.lose(self.broken(&format!("no room for another task: {error}"))))?;
+        let channel =
+            channel.map_err(|error| self.lose(self.failure(&format!("no room for another task: {error}"))))?;
         tasks.count = number;
         drop(tasks);
         channel.set_up();
@@ -394,7 +395,7 @@ impl Child {
         }
     }
 
-    /// Returns true once the host is ending the child: a break after that is not caused by its program.
+    /// Returns true once the host is ending the child: a failure after that is not caused by its program.
     pub fn is_ending(&self) -> bool {
         self.is_ending.load(Ordering::Acquire)
     }
@@ -420,21 +421,21 @@ impl Child {
         }
     }
 
-    /// Marks the child as lost, kills it, and returns its first break.
-    fn lose(&self, mut broken: Broken) -> Broken {
-        if broken.is_overdue && self.was_stopped.load(Ordering::Acquire) {
-            broken.is_overdue = false;
-            broken.description = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
+    /// Marks the child as lost, kills it, and returns its first failure.
+    fn lose(&self, mut failure: Failure) -> Failure {
+        if failure.is_overdue && self.was_stopped.load(Ordering::Acquire) {
+            failure.is_overdue = false;
+            failure.description = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
         }
-        let broken = self.lost.get_or_init(|| broken).clone();
+        let failure = self.lost.get_or_init(|| failure).clone();
         self.kill();
-        broken
+        failure
     }
 
     /// A break of the child with this description, after its last call.
-    fn broken(&self, description: &str) -> Broken {
+    fn failure(&self, description: &str) -> Failure {
         let last_call = self.last_call.load(Ordering::Relaxed);
-        Broken {
+        Failure {
             description: description.to_owned(),
             is_overdue: false,
             last_call,
@@ -445,28 +446,28 @@ impl Child {
         }
     }
 
-    /// Describes the unexpected end of the process as a break.
-    fn broken_by_end(&self, status: ExitStatus) -> Broken {
+    /// Describes the unexpected end of the process as a failure.
+    fn failure_of_end(&self, status: ExitStatus) -> Failure {
         if self.is_debugged {
-            return self.broken("the debugger was left before the program had ended");
+            return self.failure("the debugger was left before the program had ended");
         }
         if self.location_request.lock().as_ref().is_some_and(|request| request.is_killed) {
-            let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
-            return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
+            let crash = Crash { signal: OVERDUE_SIGNAL, ..Crash::default() };
+            return Failure::new(crash, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
         }
         match (status.signal(), status.code()) {
-            (Some(signal), _) => self.broken(&format!("its process was killed by signal {signal}")),
+            (Some(signal), _) => self.failure(&format!("its process was killed by signal {signal}")),
             (_, Some(NO_ROOM_FOR_TASK)) => {
-                self.broken("the system has no room for another task in its process: see `ulimit -v` and `ulimit -u`")
+                self.failure("the system has no room for another task in its process: see `ulimit -v` and `ulimit -u`")
             }
             (_, code) => {
-                self.broken(&format!("its process ended (exit code {}) without a message", code.unwrap_or_default()))
+                self.failure(&format!("its process ended (exit code {}) without a message", code.unwrap_or_default()))
             }
         }
     }
 
-    /// Parses the body of a FAULT message.
-    fn fault(&self, body: &[u8]) -> Broken {
+    /// Parses the body of a CRASH message.
+    fn crash(&self, body: &[u8]) -> Failure {
         let parse = || {
             let mut body = Reader::new(body);
             let [signal, code]: [i16; 2] = body.get()?;
@@ -477,14 +478,14 @@ impl Child {
             let words = body.rest().chunks_exact(8).take(MAX_SEARCH_WORDS);
             let words = words.map(|word| word.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)));
             if signal == 0 {
-                return if text.trim().is_empty() { Err(Malformed) } else { Ok(self.broken(&text)) };
+                return if text.trim().is_empty() { Err(Malformed) } else { Ok(self.failure(&text)) };
             }
-            let fault = Fault { signal, code, address: address as usize, pc: pc as usize, sp: 0 };
+            let crash = Crash { signal, code, address: address as usize, pc: pc as usize, sp: 0 };
             let last_call = self.last_call.load(Ordering::Relaxed);
-            let broken = Broken::new(fault, [low as usize, high as usize], last_call, words.collect());
-            Ok(Broken { location: text, ..broken })
+            let failure = Failure::new(crash, [low as usize, high as usize], last_call, words.collect());
+            Ok(Failure { location: text, ..failure })
         };
-        parse().unwrap_or_else(|Malformed| self.broken("its process broke, and did not say how"))
+        parse().unwrap_or_else(|Malformed| self.failure("its process crashed without a report"))
     }
 }
 

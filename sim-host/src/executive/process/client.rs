@@ -16,9 +16,9 @@ use robios_sys::{
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::confine::protect_host;
-use crate::executive::fault::MAX_SEARCH_WORDS;
+use crate::executive::failure::MAX_SEARCH_WORDS;
 use crate::executive::guard::below_guard;
-use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
+use crate::executive::signal::{self, Crash, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
 
@@ -116,7 +116,7 @@ fn start(name: &str, body: impl FnOnce() + Send + 'static) -> io::Result<()> {
 }
 
 impl Connection {
-    /// Binds the calling thread to `channel`, on which its faults are reported.
+    /// Binds the calling thread to `channel`, on which its crashes are reported.
     fn adopt(channel: Channel) -> &'static Self {
         let connection = Self::leaked(channel);
         connection.adopt_thread(Self::leaked_block());
@@ -128,7 +128,7 @@ impl Connection {
     }
 
     fn leaked_block() -> &'static FlowBlock {
-        Box::leak(Box::new(FlowBlock::reporting(report_fault)))
+        Box::leak(Box::new(FlowBlock::reporting(report_crash)))
     }
 
     /// Sends a message of these parts; returns false if it is too long. Async-signal-safe. Ends a process that the program
@@ -235,7 +235,7 @@ impl Connection {
 
     /// Reports to the host why the program cannot continue, and ends the process.
     fn break_off(&self, reason: &str) -> ! {
-        self.send(kind::FAULT, &[&fault_header(&Fault::default(), reason.len(), [0; 2]), reason.as_bytes()]);
+        self.send(kind::CRASH, &[&crash_header(&Crash::default(), reason.len(), [0; 2]), reason.as_bytes()]);
         std::process::exit(1)
     }
 }
@@ -324,13 +324,13 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
     Ok(result.map_or(Status::STOP, |()| Status::OK))
 }
 
-/// Fixed-size part of a FAULT message, before its text.
-fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
+/// Fixed-size part of a CRASH message, before its text.
+fn crash_header(crash: &Crash, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
     let mut header = [0; 40];
-    header[0..2].copy_from_slice(&(fault.signal as i16).to_le_bytes());
-    header[2..4].copy_from_slice(&(fault.code as i16).to_le_bytes());
+    header[0..2].copy_from_slice(&(crash.signal as i16).to_le_bytes());
+    header[2..4].copy_from_slice(&(crash.code as i16).to_le_bytes());
     header[4..8].copy_from_slice(&(text as u32).to_le_bytes());
-    for (index, value) in header[8..].chunks_exact_mut(8).zip([fault.address, fault.pc, low, high]) {
+    for (index, value) in header[8..].chunks_exact_mut(8).zip([crash.address, crash.pc, low, high]) {
         index.copy_from_slice(&(value as u64).to_le_bytes());
     }
     header
@@ -352,7 +352,7 @@ fn store_span(base: usize) {
     LIBRARY[1].store(high.unwrap_or(base), Ordering::Relaxed);
 }
 
-/// The words of the stack in `words` that belong to the call in progress, if the fault at `pc` is outside the program's
+/// The words of the stack in `words` that belong to the call in progress, if the crash at `pc` is outside the program's
 /// code: words below may be left over from earlier calls.
 fn without_stale(words: &[u8], pc: usize) -> &[u8] {
     let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
@@ -391,33 +391,33 @@ fn print_unfinished(connection: &Connection, block: &FlowBlock) {
     }
 }
 
-/// Reports a fault of this thread to the host and ends the process; returns if the program is inside a call, or if the
+/// Reports a crash of this thread to the host and ends the process; returns if the program is inside a call, or if the
 /// host only requests the location at which the program computes. Async-signal-safe.
-fn report_fault(block: &FlowBlock, fault: Fault) {
+fn report_crash(block: &FlowBlock, crash: Crash) {
     // SAFETY: null, or leaked by `adopt`.
     let connection = unsafe { CONNECTION.get().as_ref() };
     let is_of_robot = !IS_FORKED.load(Ordering::Relaxed);
     let Some(connection) = connection.filter(|connection| is_of_robot && connection.channel.turn() == Turn::Child)
     else {
-        if fault.signal != OVERDUE_SIGNAL {
-            signal::default_action(fault.signal);
+        if crash.signal != OVERDUE_SIGNAL {
+            signal::default_action(crash.signal);
         }
         return;
     };
     let [low, high] = block.stack_bounds();
-    let sp = fault.sp.next_multiple_of(align_of::<usize>());
+    let sp = crash.sp.next_multiple_of(align_of::<usize>());
     let mut words = [0_usize; MAX_SEARCH_WORDS];
     let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(MAX_SEARCH_WORDS) } else { 0 };
     // The program may have unmapped its stack, or a part of it.
     let count = signal::copy_own_memory(sp, &mut words[..count]);
-    if fault.signal == OVERDUE_SIGNAL && connection.channel.is_location_requested() {
+    if crash.signal == OVERDUE_SIGNAL && connection.channel.is_location_requested() {
         let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
         let caller = words[..count].iter().find(|word| library.contains(*word));
-        return connection.channel.report_location([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
+        return connection.channel.report_location([crash.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
     print_unfinished(connection, block);
     let words = bytes_of(&words[..count]);
-    connection.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
+    connection.send(kind::CRASH, &[&crash_header(&crash, 0, [low, high]), without_stale(words, crash.pc)]);
     // SAFETY: _exit is async-signal-safe.
-    unsafe { libc::_exit(128 + fault.signal) }
+    unsafe { libc::_exit(128 + crash.signal) }
 }

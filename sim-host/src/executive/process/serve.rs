@@ -13,7 +13,7 @@ use robios_sys::{Callback, Robios6, Robios7, Status, Support};
 use super::channel::{Channel, kind, refusal};
 use super::child::Child;
 use crate::executive::answer::answer;
-use crate::executive::fault::Broken;
+use crate::executive::failure::Failure;
 use crate::program::image::SourceLine;
 use crate::program::prepare::Prepared;
 use crate::program::site::RemoteSite;
@@ -36,8 +36,8 @@ pub enum LoadRefusal {
     Linker(String),
     /// The library is incompatible with this eyesim; contains the reason.
     Incompatible(String),
-    /// The child ended or broke while it loaded the library.
-    Broken(String),
+    /// The child ended or failed while it loaded the library.
+    Failed(String),
 }
 
 impl RemoteProgram {
@@ -46,9 +46,9 @@ impl RemoteProgram {
     /// # Errors
     /// [`LoadRefusal`] if the child cannot load the program.
     pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, LoadRefusal> {
-        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.description))?;
+        let message = child.receive_first().map_err(|failure| LoadRefusal::Failed(failure.description))?;
         let mut body = Reader::new(&message.body);
-        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().description);
+        let malformed = |Malformed| LoadRefusal::Failed(child.malformed().description);
         match message.kind {
             kind::READY => {
                 let base = body.get().map_err(malformed)?;
@@ -61,8 +61,8 @@ impl RemoteProgram {
                 Err(match reason {
                     refusal::LINKER => LoadRefusal::Linker(text),
                     refusal::INCOMPATIBLE => LoadRefusal::Incompatible(text),
-                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().description),
-                    _ => LoadRefusal::Broken(text),
+                    _ if text.trim().is_empty() => LoadRefusal::Failed(child.malformed().description),
+                    _ => LoadRefusal::Failed(text),
                 })
             }
             _ => Err(malformed(Malformed)),
@@ -77,8 +77,8 @@ impl RemoteProgram {
     /// Runs the program, answers its calls with `host` on this thread, and returns its exit code.
     ///
     /// # Errors
-    /// [`Broken`] if the program or its process broke.
-    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
+    /// [`Failure`] if the program or its process failed.
+    pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Failure> {
         let mut run_message = (self.arguments.len() as u32).to_le_bytes().to_vec();
         self.arguments.iter().for_each(|argument| put_bytes(Some(argument.as_bytes()), &mut run_message));
         let channel = self.child.first();
@@ -148,7 +148,7 @@ thread_local! {
 
 impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
     /// Answers calls until the program returns, or the program's function that the host has called.
-    fn serve(&self) -> Result<ServiceEnd, Broken> {
+    fn serve(&self) -> Result<ServiceEnd, Failure> {
         let child = &self.program.child;
         let outer = SERVED.replace((Arc::as_ptr(child), self.channel));
         let result = self.answer_all();
@@ -156,7 +156,7 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
         result
     }
 
-    fn answer_all(&self) -> Result<ServiceEnd, Broken> {
+    fn answer_all(&self) -> Result<ServiceEnd, Failure> {
         let child = &self.program.child;
         let mut reply = Vec::new();
         loop {
@@ -185,7 +185,7 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
 
     /// Carries out a call.
     fn call(&self, body: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
-        // The report of a fault contains the number of the last call.
+        // The report of a crash contains the number of the last call.
         let store_number = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
         answer(self.host, body, &self.program.site, store_number, &|code, data| self.callback(code, data), reply)
     }

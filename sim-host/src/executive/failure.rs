@@ -1,24 +1,24 @@
-//! Descriptions of broken robot programs.
+//! Descriptions of failures of robot programs: crashes, other illegal ends and overdue programs.
 
 use super::confine;
 use super::guard::is_in_guard;
-use super::signal::{self, DIVISION_BY_ZERO, EXIT_CALLED, Fault, GONE, OVERDUE_SIGNAL};
+use super::signal::{self, Crash, DIVISION_BY_ZERO, EXIT_CALLED, OVERDUE_SIGNAL, THREAD_ENDED};
 use crate::robios::robot::Ending;
 
-/// A flow that will never run again, with the cause.
+/// Why a flow never runs again: a crash, an illegal end or a stop by the watchdog.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Broken {
-    /// Description of the break, without the location: `null pointer used (segmentation fault at address 0x0)`.
+pub struct Failure {
+    /// Description of the failure, without the location: `null pointer used (segmentation fault at address 0x0)`.
     pub description: String,
-    /// True if the watchdog stopped the flow, false if the program faulted.
+    /// True if the watchdog stopped the flow, false if the program crashed.
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
-    /// The task that broke, if it is one of several.
+    /// The task that failed, if it is one of several.
     pub task: Option<u32>,
     /// The location as text, if the program has reported it; otherwise empty.
     pub location: String,
-    /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
+    /// Program counter at the failure, then the words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
     /// Unfinished lines that the program has printed, each with its [`stream`](robios_sys::support::stream).
     pub unfinished: Vec<(i32, String)>,
@@ -27,7 +27,7 @@ pub struct Broken {
 /// Depth of the search for return addresses from the stack pointer, in words.
 pub(super) const MAX_SEARCH_WORDS: usize = 4096;
 
-/// Distance from the low end of the stack, in bytes, within which a fault is reported as a stack overflow (a guard page lies below the
+/// Distance from the low end of the stack, in bytes, within which a crash is reported as a stack overflow (a guard page lies below the
 /// stack).
 const GUARD_REACH: usize = 64 << 10;
 
@@ -40,73 +40,73 @@ pub(super) const STACK_OVERFLOW: &str = "stack overflow";
 /// Accesses below this address are attributed to a null pointer: nothing is ever mapped there.
 const NULL_PAGE: usize = 4096;
 
-/// Description of a break at a trap instruction, which the compiler emits where the program's behaviour is undefined.
-pub(super) const ILLEGAL: &str =
-    "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)";
+/// Description of a crash at a trap instruction; the compiler emits one where the program's behaviour is undefined.
+pub(super) const ILLEGAL_INSTRUCTION: &str =
+    "division by zero, null pointer or missing `return`, found by the compiler (illegal instruction)";
 
-/// Like [`ILLEGAL`], at a line whose only possible fault is a division.
-pub(super) const ILLEGAL_DIVISION: &str = "division by zero, known to the compiler (illegal instruction)";
+/// Like [`ILLEGAL_INSTRUCTION`], at a line that can only crash by a division.
+pub(super) const ILLEGAL_DIVISION: &str = "division by zero, found by the compiler (illegal instruction)";
 
-/// Usual causes of a fault at an address that is neither near 0 nor at the end of the stack.
-pub(super) const WILD: &str =
-    "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
+/// Usual causes of a crash at an address that is neither near 0 nor at the end of the stack.
+pub(super) const INVALID_POINTER: &str =
+    "an uninitialized pointer, an index beyond its array, or a write to a string literal";
 
-/// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
+/// Code of a crash whose address the kernel does not know (from <asm-generic/siginfo.h>).
 const SI_KERNEL: i32 = 0x80;
 
 /// Maximum depth in words at which a stack counts as too shallow to have overflowed.
 const MAX_SHALLOW: usize = 1024;
 
-impl Broken {
-    /// Describes `fault` of a thread with these stack bounds and with these words on its stack, from the stack pointer upwards.
-    pub(super) fn new(fault: Fault, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
+impl Failure {
+    /// Describes `crash` of a thread with these stack bounds; `stack_words` are the words on its stack from the stack pointer upwards.
+    pub(super) fn new(crash: Crash, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
         let is_deep = stack_words.is_empty() || stack_words.len() > MAX_SHALLOW;
         let near_guard = low > 0
             && is_deep
-            && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&fault.address);
-        let description = match fault.signal {
+            && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&crash.address);
+        let description = match crash.signal {
             OVERDUE_SIGNAL => "endless loop, or too long without a RoBIOS call".into(),
             EXIT_CALLED => "the program called `exit` of the C library, which would have ended eyesim".into(),
             libc::SIGSYS => format!(
                 "the program would have ended or replaced eyesim by the system call {}",
-                confine::name_of(fault.address)
+                confine::name_of(crash.address)
             ),
-            GONE => "the program ended its own thread past the C library (such as by `syscall(SYS_exit)`)".into(),
-            signal if fault.code < 0 && name_of_signal(signal).is_some_and(|name| name != "SIGABRT") => {
+            THREAD_ENDED => "the program ended its own thread without the C library (such as by `syscall(SYS_exit)`)".into(),
+            signal if crash.code < 0 && name_of_signal(signal).is_some_and(|name| name != "SIGABRT") => {
                 format!("the program sent itself the signal {}", name_of_signal(signal).unwrap_or_default())
             }
             libc::SIGSEGV | libc::SIGBUS if near_guard => STACK_OVERFLOW.into(),
-            libc::SIGSEGV if is_in_guard(fault.address, high) => {
+            libc::SIGSEGV if is_in_guard(crash.address, high) => {
                 "the program wrote or read beyond the top of its stack (an array overrun)".into()
             }
             // The kernel reports no address for a non-canonical pointer such as 0x4141414141414141.
-            libc::SIGSEGV if fault.code == SI_KERNEL => format!("segmentation fault at no address ({WILD})"),
-            libc::SIGSEGV if fault.address < NULL_PAGE && fault.address == fault.pc => {
-                format!("{NULL_POINTER} as a function (segmentation fault at address {:#x})", fault.address)
+            libc::SIGSEGV if crash.code == SI_KERNEL => format!("segmentation fault at no address ({INVALID_POINTER})"),
+            libc::SIGSEGV if crash.address < NULL_PAGE && crash.address == crash.pc => {
+                format!("{NULL_POINTER} as a function (segmentation fault at address {:#x})", crash.address)
             }
-            libc::SIGSEGV if fault.address < NULL_PAGE => {
-                format!("{NULL_POINTER} (segmentation fault at address {:#x})", fault.address)
+            libc::SIGSEGV if crash.address < NULL_PAGE => {
+                format!("{NULL_POINTER} (segmentation fault at address {:#x})", crash.address)
             }
-            libc::SIGSEGV if fault.address == fault.pc => format!(
-                "segmentation fault by a jump to address {:#x}, where no code is (an array overrun, or a pointer to a function without a value)",
-                fault.address
+            libc::SIGSEGV if crash.address == crash.pc => format!(
+                "segmentation fault by a jump to address {:#x}, where there is no code (an array overrun, or an uninitialized function pointer)",
+                crash.address
             ),
-            libc::SIGSEGV => format!("segmentation fault at address {:#x} ({WILD})", fault.address),
-            libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
-            libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(fault.code)),
-            libc::SIGILL => ILLEGAL.into(),
+            libc::SIGSEGV => format!("segmentation fault at address {:#x} ({INVALID_POINTER})", crash.address),
+            libc::SIGBUS => format!("bus error at address {:#x}", crash.address),
+            libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(crash.code)),
+            libc::SIGILL => ILLEGAL_INSTRUCTION.into(),
             libc::SIGABRT => {
-                "aborted by the C library (in C mostly memory written beyond its end, or freed twice)".into()
+                "aborted by the C library (in C usually a write beyond the end of allocated memory, or memory freed twice)".into()
             }
             libc::SIGTRAP => "trap instruction".into(),
             other => format!("signal {other}"),
         };
-        let mut addresses = vec![fault.pc];
+        let mut addresses = vec![crash.pc];
         addresses.extend(stack_words);
         Self {
             description,
-            is_overdue: fault.signal == OVERDUE_SIGNAL,
+            is_overdue: crash.signal == OVERDUE_SIGNAL,
             last_call,
             task: None,
             location: String::new(),
@@ -121,7 +121,7 @@ impl Broken {
         Self { unfinished, ..self }
     }
 
-    /// Replaces the description by the reason that the program reported before it broke, if any.
+    /// Replaces the description by the reason that the program reported before it failed, if any.
     #[must_use]
     pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
         match ending {
@@ -132,8 +132,8 @@ impl Broken {
 
     /// Describes an overdue program that was stopped at `location`, after its last call.
     pub(super) fn overdue(last_call: u16, location: String) -> Self {
-        let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
-        Self { location, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
+        let crash = Crash { signal: OVERDUE_SIGNAL, ..Crash::default() };
+        Self { location, ..Self::new(crash, [0; 2], last_call, Vec::new()) }
     }
 
     /// Describes a flow that receives no signals and therefore cannot be stopped; it is abandoned.
@@ -151,13 +151,13 @@ impl Broken {
         }
     }
 
-    /// The ending of a program that broke in this way.
+    /// The ending that the program gets by this failure.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.description.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
-    /// Adds the task that broke.
+    /// Adds the task that failed.
     #[must_use]
     pub(super) fn in_task(mut self, task: u32) -> Self {
         self.task = Some(task);
@@ -165,7 +165,7 @@ impl Broken {
     }
 }
 
-/// Name of a signal that a fault raises; `None` for any other signal.
+/// Name of a signal that a crash raises; `None` for other signals.
 fn name_of_signal(signal: i32) -> Option<&'static str> {
     let names = [
         (libc::SIGSEGV, "SIGSEGV"),
@@ -184,11 +184,11 @@ fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     match code {
         DIVISION_BY_ZERO => "integer division by zero",
         2 => "integer division by zero, or of INT_MIN by -1",
-        3 => "floating-point division by zero, for which the program has asked for a trap",
-        4 => "floating-point overflow, for which the program has asked for a trap",
-        5 => "floating-point underflow, for which the program has asked for a trap",
-        6 => "inexact floating-point result, for which the program has asked for a trap",
-        7 => "invalid floating-point operation, for which the program has asked for a trap",
+        3 => "floating-point division by zero, for which the program has enabled a trap",
+        4 => "floating-point overflow, for which the program has enabled a trap",
+        5 => "floating-point underflow, for which the program has enabled a trap",
+        6 => "inexact floating-point result, for which the program has enabled a trap",
+        7 => "invalid floating-point operation, for which the program has enabled a trap",
         _ => "floating-point operation or integer division",
     }
 }
