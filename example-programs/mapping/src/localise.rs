@@ -195,7 +195,7 @@ mod tests {
         .into_iter()
         .enumerate()
         {
-            assert!((found - mean).abs() < 0.02 * sigma, "axis {axis}: {found} for {mean}");
+            assert!((found - mean).abs() < 0.02 * sigma, "axis {axis}: {found} instead of {mean}");
         }
         let sigma = found.covariance.diagonal().map(f64::sqrt);
         assert!((sigma.x / expected(0.0, 0.1, 0.0, 0.02).1 - 1.0).abs() < 0.02, "{sigma}");

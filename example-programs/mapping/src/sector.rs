@@ -285,17 +285,17 @@ pub struct Reading {
 
 /// Readings of all sonars at one instant.
 ///
-/// As text, a look is the robot's x, y and heading, then the distances from right to left with `-` for no echo, in
+/// As text, a scan is the robot's x, y and heading, then the distances from right to left with `-` for no echo, in
 /// metres and radians. Printing and parsing are exact inverses.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Look {
+pub struct Scan {
     /// The robot's pose in the map's frame.
     pub robot: Pose,
     /// The distances, from right to left; the middle sonar points ahead.
     pub distances: Vec<Option<f64>>,
 }
 
-impl Look {
+impl Scan {
     /// The readings of the sectors, whose middles are `sector` radians apart.
     pub fn readings(&self, sector: f64) -> impl Iterator<Item = Reading> {
         let middle = 0.5 * (self.distances.len() as f64 - 1.0);
@@ -313,7 +313,7 @@ impl Look {
     }
 }
 
-impl fmt::Display for Look {
+impl fmt::Display for Scan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Pose { position, heading } = self.robot;
         write!(f, "{:?} {:?} {heading:?}", position.x, position.y)?;
@@ -324,15 +324,15 @@ impl fmt::Display for Look {
     }
 }
 
-/// Error for a text that is not a [`Look`].
+/// Error for a text that is not a [`Scan`].
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("`{0}` is no x, y, heading and distances")]
-pub struct NoLook(String);
+pub struct NotAScan(String);
 
-impl FromStr for Look {
-    type Err = NoLook;
+impl FromStr for Scan {
+    type Err = NotAScan;
 
-    fn from_str(text: &str) -> Result<Self, NoLook> {
+    fn from_str(text: &str) -> Result<Self, NotAScan> {
         let number = |token: &str| token.parse::<f64>().ok().filter(|number| number.is_finite());
         let distance = |token: &str| if token == "-" { Some(None) } else { number(token).map(Some) };
         let mut tokens = text.split_whitespace();
@@ -341,7 +341,7 @@ impl FromStr for Look {
             let robot = Pose::new(next()?, next()?, next()?);
             Some(Self { robot, distances: tokens.by_ref().map(distance).collect::<Option<_>>()? })
         };
-        parsed().ok_or_else(|| NoLook(text.to_owned()))
+        parsed().ok_or_else(|| NotAScan(text.to_owned()))
     }
 }
 
@@ -681,18 +681,18 @@ mod tests {
     }
 
     #[test]
-    fn look_parses_its_printed_form() {
-        let look = Look { robot: Pose::new(0.1, -2.0, 1.0 / 3.0), distances: vec![Some(0.7), None, Some(1e-3)] };
-        assert_eq!(look.to_string(), "0.1 -2.0 0.3333333333333333 0.7 - 0.001");
-        assert_eq!(look.to_string().parse(), Ok(look.clone()));
+    fn scan_parses_its_printed_form() {
+        let scan = Scan { robot: Pose::new(0.1, -2.0, 1.0 / 3.0), distances: vec![Some(0.7), None, Some(1e-3)] };
+        assert_eq!(scan.to_string(), "0.1 -2.0 0.3333333333333333 0.7 - 0.001");
+        assert_eq!(scan.to_string().parse(), Ok(scan.clone()));
         for text in ["", "1 2", "1 2 x", "1 2 3 4 y", "1 2 NaN"] {
-            assert_eq!(text.parse::<Look>(), Err(NoLook(text.to_owned())));
+            assert_eq!(text.parse::<Scan>(), Err(NotAScan(text.to_owned())));
         }
-        let headings: Vec<f64> = look.readings(0.5).map(|reading| reading.axis.heading).collect();
+        let headings: Vec<f64> = scan.readings(0.5).map(|reading| reading.axis.heading).collect();
         assert!(
             headings.iter().zip([-0.5, 0.0, 0.5]).all(|(heading, offset)| (heading - offset - 1.0 / 3.0).abs() < 1e-12)
         );
-        assert!(look.has_fault(&FAN) && !Look { distances: vec![Some(1.0), Some(1.1)], ..look }.has_fault(&FAN));
+        assert!(scan.has_fault(&FAN) && !Scan { distances: vec![Some(1.0), Some(1.1)], ..scan }.has_fault(&FAN));
     }
 
     #[test]

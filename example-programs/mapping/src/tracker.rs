@@ -1,13 +1,13 @@
-//! Builds the map of sonar sectors ([`sector`](crate::sector)) from corrected poses: each look (the readings of all
+//! Builds the map of sonar sectors ([`sector`](crate::sector)) from corrected poses: each scan (the readings of all
 //! sonars at one instant) corrects the pose that odometry gives.
 //!
-//! A [`Tracker`] adds the motion since the last look to its [`Belief`]. It corrects the belief by comparing the look's
-//! readings with the map so far, from all earlier stops and the earlier looks of this stop. Readings go into the map
+//! A [`Tracker`] adds the motion since the last scan to its [`Belief`]. It corrects the belief by comparing the scan's
+//! readings with the map so far, from all earlier stops and the earlier scans of this stop. Readings go into the map
 //! with the corrected pose. The map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected
 //! again.
 //!
 //! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (one map, where a particle
-//! filter keeps a map for each particle). Our choice: a look is also compared with the earlier looks of its own stop.
+//! filter keeps a map for each particle). Our choice: a scan is also compared with the earlier scans of its own stop.
 //! After the robot has turned around at a stop, the readings from before the turn are already in the map.
 
 use crate::grid::{Grid, GridGeometry};
@@ -15,7 +15,7 @@ use crate::localise::{Belief, OdometryNoise};
 use crate::measurement::{Error, LikelihoodField, Points};
 use crate::pose::{Point, Pose};
 use crate::score::OCCUPIED;
-use crate::sector::{Fan, Look, Raster, Reading, SectorMap};
+use crate::sector::{Fan, Raster, Reading, Scan, SectorMap};
 
 /// Settings of the pose correction.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -56,18 +56,18 @@ impl Tracker {
         &self.map
     }
 
-    /// Distribution of the pose at the last look.
+    /// Distribution of the pose at the last scan.
     pub fn belief(&self) -> &Belief {
         &self.belief
     }
 
-    /// Corrects the pose with `look`, whose `robot` is the pose by odometry, and keeps its readings for the map.
-    /// Returns the look with the corrected pose.
-    pub fn look(&mut self, look: &Look) -> Look {
-        self.belief = self.belief.moved(&self.odometry, &look.robot, &self.correction.odometry);
-        self.odometry = look.robot;
-        self.belief = self.corrected(look);
-        let corrected = Look { robot: self.belief.mean, distances: look.distances.clone() };
+    /// Corrects the pose with `scan`, whose `robot` is the pose by odometry, and keeps its readings for the map.
+    /// Returns the scan with the corrected pose.
+    pub fn scan(&mut self, scan: &Scan) -> Scan {
+        self.belief = self.belief.moved(&self.odometry, &scan.robot, &self.correction.odometry);
+        self.odometry = scan.robot;
+        self.belief = self.corrected(scan);
+        let corrected = Scan { robot: self.belief.mean, distances: scan.distances.clone() };
         self.readings.extend(corrected.readings(self.fan.sector));
         corrected
     }
@@ -78,26 +78,26 @@ impl Tracker {
         self.readings.clear();
     }
 
-    fn corrected(&self, look: &Look) -> Belief {
+    fn corrected(&self, scan: &Scan) -> Belief {
         let mut map = self.map.clone();
         map.add(&self.readings);
         let map: &Grid<f64> = map.probabilities();
         let field = LikelihoodField::new(map, |probability| *probability >= OCCUPIED, &self.correction.error);
-        let readings = points(look, &self.fan, map.frame().cell_size());
+        let readings = points(scan, &self.fan, map.frame().cell_size());
         self.belief.corrected(&Points { field: &field, readings })
     }
 }
 
 /// Directions of the sonars in the robot's frame, rad, from right to left.
-fn angles(look: &Look, fan: &Fan) -> impl Iterator<Item = f64> + use<> {
-    let (count, sector) = (look.distances.len(), fan.sector);
+fn angles(scan: &Scan, fan: &Fan) -> impl Iterator<Item = f64> + use<> {
+    let (count, sector) = (scan.distances.len(), fan.sector);
     (0..count).map(move |index| (index as f64 - 0.5 * (count as f64 - 1.0)) * sector)
 }
 
 /// For each sector, points on the lines of its model, in the robot's frame, m. Neighbouring points of a line are at
 /// most `apart` from each other.
-fn points(look: &Look, fan: &Fan, apart: f64) -> Vec<Vec<Point>> {
-    let at = |index: usize| look.distances.get(index).copied().flatten();
+fn points(scan: &Scan, fan: &Fan, apart: f64) -> Vec<Vec<Point>> {
+    let at = |index: usize| scan.distances.get(index).copied().flatten();
     let of_sector = |(index, angle): (usize, f64)| {
         let model = fan.model(index.checked_sub(1).and_then(at), at(index), at(index + 1));
         let sector = Pose::new(0.0, 0.0, angle);
@@ -108,7 +108,7 @@ fn points(look: &Look, fan: &Fan, apart: f64) -> Vec<Vec<Point>> {
         };
         model.lines.iter().flat_map(along).collect()
     };
-    angles(look, fan).enumerate().map(of_sector).collect()
+    angles(scan, fan).enumerate().map(of_sector).collect()
 }
 
 #[cfg(test)]
@@ -166,8 +166,8 @@ mod tests {
             for turn in [0.0, 0.5 * FAN.sector, PI] {
                 (truth, odometry) =
                     (truth.then(&Pose::new(0.0, 0.0, turn)), odometry.then(&Pose::new(0.0, 0.0, 1.03 * turn)));
-                let look = Look { robot: odometry, distances: heard(&room, &truth) };
-                let corrected = tracker.look(&look).robot;
+                let scan = Scan { robot: odometry, distances: heard(&room, &truth) };
+                let corrected = tracker.scan(&scan).robot;
                 for (worst, pose) in worst.iter_mut().zip([&corrected, &odometry]) {
                     let (distance, turned) = off(pose, &truth);
                     *worst = (worst.0.max(distance), worst.1.max(turned));

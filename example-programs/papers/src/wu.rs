@@ -399,7 +399,7 @@ fn drives(mapped: &[Mapped]) -> Table {
         table.row([
             run.name.clone(),
             run.stops.len().to_string(),
-            run.looks.to_string(),
+            run.scans.to_string(),
             format!("{:.0}", run.time),
             format!("{:.1}", run.path),
             run.contacts.to_string(),

@@ -7,7 +7,7 @@
 //! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is that of the start:
 //! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
-//! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first:
+//! It prints `look` with each [`Scan`], `stop` for each place, and at the end the map as `row`s, the upper one first:
 //! `#` occupied, `.` free, `?` unknown. The display shows the map; the window also shows its probabilities and the path
 //! to the next stop.
 
@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_6, PI};
 use mapping::grid::{Cell, GridGeometry};
 use mapping::pose::{Point, Pose};
 use mapping::score::Occupancy;
-use mapping::sector::{Fan, Look, Raster, Reading, SectorMap};
+use mapping::sector::{Fan, Raster, Reading, Scan, SectorMap};
 use robios_api::{Drive, LayerFrame, LayerGrid, Psd, prelude::*};
 
 use plan::Plan;
@@ -100,32 +100,32 @@ struct Mapper<'r> {
 impl Mapper<'_> {
     /// Observes all around, adds the readings to the map, and returns the robot's position.
     fn observe(&mut self) -> Result<Point> {
-        let mut readings = self.look_twice()?;
+        let mut readings = self.scan_twice()?;
         self.turn(PI)?;
-        readings.extend(self.look_twice()?);
+        readings.extend(self.scan_twice()?);
         self.map.add(&readings);
         Ok(self.pose().position)
     }
 
     /// Observes ahead, and again turned by half a sector if there is a fault; restores the heading.
-    fn look_twice(&self) -> Result<Vec<Reading>> {
-        let first = self.look();
+    fn scan_twice(&self) -> Result<Vec<Reading>> {
+        let first = self.scan();
         let mut readings: Vec<Reading> = first.readings(FAN.sector).collect();
         if first.has_fault(&FAN) {
             self.turn(AGAIN)?;
-            readings.extend(self.look().readings(FAN.sector));
+            readings.extend(self.scan().readings(FAN.sector));
             self.turn(-AGAIN)?;
         }
         Ok(readings)
     }
 
     /// Reads and prints all sonars.
-    fn look(&self) -> Look {
+    fn scan(&self) -> Scan {
         self.robot.sleep(TWO_CYCLES);
         let distances = self.sonars.iter().map(|sonar| sonar.distance().map(Length::as_metres)).collect();
-        let look = Look { robot: self.pose(), distances };
-        writeln!(self.robot.console(), "look {look}");
-        look
+        let scan = Scan { robot: self.pose(), distances };
+        writeln!(self.robot.console(), "look {scan}");
+        scan
     }
 
     fn pose(&self) -> Pose {

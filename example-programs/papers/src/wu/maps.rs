@@ -11,7 +11,7 @@ use mapping::log_odds::{LogOddsGrid, SonarModel, log_odds};
 use mapping::math;
 use mapping::pose::{Point, Pose, wrapped};
 use mapping::score::{Occupancy, Score, Truth};
-use mapping::sector::{Fan, Look, Raster, Reading, Relation, SectorMap, local_map};
+use mapping::sector::{Fan, Raster, Reading, Relation, Scan, SectorMap, local_map};
 use mapping::sonar::{Beam, Echo};
 use mapping::sonar_grid::{Silence, SonarGrid};
 use sim_core::spec::SceneSpec;
@@ -67,8 +67,8 @@ pub struct Mapped {
     pub truth: Grid<Truth>,
     /// Estimated positions of the robot at its observations.
     pub stops: Vec<Point>,
-    /// Number of looks: instants at which the robot read all its sonars.
-    pub looks: usize,
+    /// Number of scans: instants at which the robot read all its sonars.
+    pub scans: usize,
     /// Virtual time at which the robot's program ended, s.
     pub time: f64,
     /// Length of the robot's path, m.
@@ -87,7 +87,7 @@ impl Mapped {
     /// Reads the output of a run of the scene `file` from its trace, and makes all maps of the run.
     ///
     /// # Errors
-    /// If the scene cannot be read, or the robot printed no looks or no map with the frame that the scene's arguments
+    /// If the scene cannot be read, or the robot printed no scans or no map with the frame that the scene's arguments
     /// give.
     pub fn new(name: &str, file: &Path, trace: &Trace) -> anyhow::Result<Self> {
         let mut files = DiskFiles::with_home(root());
@@ -101,7 +101,7 @@ impl Mapped {
             name: name.to_owned(),
             truth: truth(walls, &frame),
             stops: Vec::new(),
-            looks: 0,
+            scans: 0,
             time: 0.0,
             path: 0.0,
             contacts: 0,
@@ -194,12 +194,12 @@ impl Mapped {
         for (_, line) in trace.printed(1) {
             for line in line.lines() {
                 match line.split_once(' ') {
-                    Some(("look", look)) => {
-                        let look: Look = look.parse()?;
-                        self.looks += 1;
-                        let pairs = look.distances.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?)));
+                    Some(("look", scan)) => {
+                        let scan: Scan = scan.parse()?;
+                        self.scans += 1;
+                        let pairs = scan.distances.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?)));
                         self.neighbours.extend(pairs);
-                        readings.extend(look.readings(FAN.sector));
+                        readings.extend(scan.readings(FAN.sector));
                     }
                     Some(("stop", stop)) => {
                         let numbers: Vec<f64> = stop.split(' ').filter_map(|word| word.parse().ok()).collect();

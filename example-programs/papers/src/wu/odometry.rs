@@ -211,7 +211,7 @@ fn settings_table(tuned: &Tuned, [raw, corrected]: [f64; 2]) -> Table {
     let mut head: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
     head.extend(["training error", "of raw odometry", "settings tried", "evaluations"]);
     let caption = "Setting with the least mean error on the training drives: root of the mean square of the error of the position (m) and of \
-                   the heading (rad) over all looks; each one step lower and higher is no improvement";
+                   the heading (rad) over all scans; each one step lower and higher is no improvement";
     let mut table = Table::new("settings", caption, &head);
     let mut row: Vec<String> = tuned.setting.iter().map(f64::to_string).collect();
     row.extend([format!("{corrected:.4}"), format!("{raw:.4}"), tuned.settings.to_string()]);
@@ -222,7 +222,7 @@ fn settings_table(tuned: &Tuned, [raw, corrected]: [f64; 2]) -> Table {
 
 const STARTS_HEAD: [&str; 9] = [
     "start",
-    "looks",
+    "scans",
     "path, m",
     "raw ends off",
     "corrected ends off",
@@ -238,7 +238,7 @@ fn start_row(result: &Judged) -> Vec<String> {
     let of = |value: Value| [exact, raw, corrected].map(|track| percent(value(&track.score))).join(", ");
     vec![
         drive.name.clone(),
-        drive.looks().to_string(),
+        drive.scans().to_string(),
         format!("{:.1}", drive.path),
         off(raw),
         off(corrected),
@@ -361,7 +361,7 @@ fn picture(result: &Judged) -> anyhow::Result<Figure> {
         name: drive.name.clone(),
         label: format!("Maps and paths, {}", drive.name),
         caption: "Readings of one drive; black: occupied, white: free, red: marked occupied but free, orange: marked free but not, grey: unknown. \
-                  Paths join the looks."
+                  Paths join the scans."
             .to_owned(),
         claim: "End of the path off the true one, raw and corrected".to_owned(),
         number: format!("{:.2} m, {:.2} m", raw.end.0, corrected.end.0),

@@ -1,10 +1,10 @@
-//! A drive and maps of it: the readings at each look, with the robot's pose by odometry and its true pose.
+//! A drive and maps of it: the readings at each scan, with the robot's pose by odometry and its true pose.
 
 use anyhow::{bail, ensure};
 use mapping::grid::Grid;
 use mapping::pose::{Pose, wrapped};
 use mapping::score::{Occupancy, Score, Truth};
-use mapping::sector::{Look, Raster, SectorMap};
+use mapping::sector::{Raster, Scan, SectorMap};
 use mapping::tracker::{Correction, Tracker};
 
 use super::rooms::Case;
@@ -22,20 +22,20 @@ pub struct Drive {
     /// Number of contacts.
     pub contacts: usize,
     /// Looks of each stop, with poses by odometry, each with its true pose.
-    stops: Vec<Vec<(Look, Pose)>>,
+    stops: Vec<Vec<(Scan, Pose)>>,
 }
 
-/// Poses of a drive's looks, and the map with these poses.
+/// Poses of a drive's scans, and the map with these poses.
 pub struct Track {
-    /// Pose of each look.
+    /// Pose of each scan.
     pub poses: Vec<Pose>,
     /// The map.
     pub map: Grid<Occupancy>,
     /// Score of the map.
     pub score: Score,
-    /// Root mean square over the looks of the pose error: the norm of its position part (m) and heading part (rad).
+    /// Root mean square over the scans of the pose error: the norm of its position part (m) and heading part (rad).
     pub error: f64,
-    /// Error of position (m) and heading (rad) at the last look.
+    /// Error of position (m) and heading (rad) at the last scan.
     pub end: (f64, f64),
 }
 
@@ -43,10 +43,10 @@ impl Drive {
     /// Reads a drive from its trace.
     ///
     /// # Errors
-    /// If the robot printed anything other than looks, stops and rows, or no look.
+    /// If the robot printed anything other than scans, stops and rows, or no scan.
     pub fn new(case: &Case, trace: &Trace) -> anyhow::Result<Self> {
         let (mut path, mut contacts) = (0.0, 0);
-        let (mut at, mut looks, mut stops) = (case.start, Vec::new(), Vec::new());
+        let (mut at, mut scans, mut stops) = (case.start, Vec::new(), Vec::new());
         for entry in trace.of_robot(1) {
             match &entry.event {
                 Event::Pose { x_m, y_m, phi_rad } => {
@@ -58,11 +58,11 @@ impl Drive {
                 Event::Stdout { text } => {
                     for line in text.lines() {
                         match line.split_once(' ') {
-                            Some(("look", look)) => {
+                            Some(("look", scan)) => {
                                 let heading = wrapped(at.heading - case.start.heading);
-                                looks.push((look.parse()?, Pose { position: case.start.inward(at.position), heading }));
+                                scans.push((scan.parse()?, Pose { position: case.start.inward(at.position), heading }));
                             }
-                            Some(("stop", _)) => stops.push(std::mem::take(&mut looks)),
+                            Some(("stop", _)) => stops.push(std::mem::take(&mut scans)),
                             Some(("row", _)) => {}
                             _ => bail!("`{line}`: expected `look`, `stop` or `row`"),
                         }
@@ -71,13 +71,13 @@ impl Drive {
                 _ => {}
             }
         }
-        ensure!(stops.iter().any(|stop| !stop.is_empty()), "no look");
+        ensure!(stops.iter().any(|stop| !stop.is_empty()), "no scan");
         let truth = truth(case.walls.iter().copied(), &case.frame());
         Ok(Self { name: case.start_name.clone(), truth, path, contacts, stops })
     }
 
-    /// Number of looks.
-    pub fn looks(&self) -> usize {
+    /// Number of scans.
+    pub fn scans(&self) -> usize {
         self.stops.iter().map(Vec::len).sum()
     }
 
@@ -88,7 +88,7 @@ impl Drive {
 
     /// The track with the poses of odometry.
     pub fn raw(&self) -> Track {
-        self.track(self.stops.iter().flatten().map(|(look, _)| look.robot).collect())
+        self.track(self.stops.iter().flatten().map(|(scan, _)| scan.robot).collect())
     }
 
     /// The track with corrected poses.
@@ -96,12 +96,12 @@ impl Drive {
         self.track(self.poses(correction))
     }
 
-    /// Corrected poses of all looks.
+    /// Corrected poses of all scans.
     pub fn poses(&self, correction: Correction) -> Vec<Pose> {
         let mut tracker = Tracker::new(*self.truth.frame(), FAN, Raster::PointByPoint, correction);
         let mut poses = Vec::new();
         for stop in &self.stops {
-            poses.extend(stop.iter().map(|(look, _)| tracker.look(look).robot));
+            poses.extend(stop.iter().map(|(scan, _)| tracker.scan(scan).robot));
             tracker.end_stop();
         }
         poses
@@ -113,8 +113,8 @@ impl Drive {
         let (mut square, mut end) = (0.0, (0.0, 0.0));
         for stop in &self.stops {
             let mut readings = Vec::new();
-            for ((look, truth), pose) in stop.iter().zip(&mut next) {
-                readings.extend(Look { robot: *pose, ..look.clone() }.readings(FAN.sector));
+            for ((scan, truth), pose) in stop.iter().zip(&mut next) {
+                readings.extend(Scan { robot: *pose, ..scan.clone() }.readings(FAN.sector));
                 end = ((pose.position - truth.position).norm(), wrapped(pose.heading - truth.heading));
                 square += end.0 * end.0 + end.1 * end.1;
             }
