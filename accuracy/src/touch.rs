@@ -109,7 +109,7 @@ impl Case {
     }
 
     /// Instant of the contact by the core, in seconds.
-    pub fn by_core(&self) -> Option<f64> {
+    pub fn simulate(&self) -> Option<f64> {
         let path = Path::new(&self.start, self.twist);
         first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.seconds)
     }
@@ -136,7 +136,7 @@ mod tests {
         for approach in Approach::ALL {
             for _ in 0..500 {
                 let case = Case::draw(&mut random, approach);
-                let found = case.by_core().unwrap_or_else(|| panic!("missed {case:?}"));
+                let found = case.simulate().unwrap_or_else(|| panic!("missed {case:?}"));
                 // Positions are rounded to some 1e-15 m, and the disc approaches at 0.017 m/s or more.
                 assert!((found - case.instant).abs() < 1e-12, "{found} for {case:?}");
             }

@@ -17,9 +17,9 @@ fn run(effort: Effort) -> Outcome {
     for approach in Approach::ALL {
         let mut random = Random::new(5);
         let cases: Vec<Case> = (0..effort.of(1_000)).map(|_| Case::draw(&mut random, approach)).collect();
-        let error_of = |case: &Case| (case.by_core().expect("every case is a contact") - case.instant).abs();
+        let error_of = |case: &Case| (case.simulate().expect("every case is a contact") - case.instant).abs();
         let error = cases.iter().map(error_of).fold(0.0, f64::max);
-        let time_ns = nanoseconds(20, cases.len(), || cases.iter().filter_map(Case::by_core).sum::<f64>());
+        let time_ns = nanoseconds(20, cases.len(), || cases.iter().filter_map(Case::simulate).sum::<f64>());
         rows.push(row("closed form", approach.name().to_owned(), error, time_ns));
     }
     for step in STEPS {

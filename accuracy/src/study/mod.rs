@@ -7,8 +7,8 @@ mod camera;
 mod camera_noise;
 mod contact;
 mod drive;
-mod erring;
 pub mod france;
+mod imperfect_motion;
 mod legs;
 mod maps;
 mod moving_target;
@@ -99,7 +99,7 @@ pub struct Study {
 pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
-    erring::STUDY,
+    imperfect_motion::STUDY,
     contact::STUDY,
     slide::STUDY,
     objects::STUDY,

@@ -69,11 +69,11 @@ impl NamedCase {
         let mut motion = Motion::new(RobotId(1), Arc::new(model), walls, self.case.start)
             .with_contact(ContactRule::Slide { friction: self.case.friction })
             .expect("a friction");
-        motion.command(Time::ZERO, Command::Twist(self.case.twist), &[]).expect("a sound command");
+        motion.command(Time::ZERO, Command::Twist(self.case.twist), &[]).expect("a valid command");
         motion
     }
 
-    fn by_core(&self) -> DVec2 {
+    fn simulate(&self) -> DVec2 {
         self.motion().pose(Time::from_seconds_ceil(self.seconds)).position
     }
 
@@ -95,8 +95,8 @@ fn run(effort: Effort) -> Outcome {
     for named in &cases {
         let steps = effort.of(REFERENCE_STEPS as usize) as u64;
         let (truth, _) = named.case.extrapolated(named.seconds, steps);
-        let error = (named.by_core() - truth).length();
-        let time_ns = nanoseconds(20, 1, || named.by_core().x) / named.seconds;
+        let error = (named.simulate() - truth).length();
+        let time_ns = nanoseconds(20, 1, || named.simulate().x) / named.seconds;
         rows.push(row("closed form", named.name.to_owned(), error, time_ns));
         truths.push(truth);
     }

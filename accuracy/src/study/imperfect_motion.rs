@@ -1,8 +1,8 @@
-//! `erring`: a minute of driving with wheel lag, unequal wheels, slip and noise, compared with a reference in
-//! double-double numbers.
+//! `imperfect-motion`: compares a minute of driving with wheel lag, unequal wheels, slip and noise with a reference in
+//! double-double arithmetic.
 //!
-//! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheels and arcs with its own formulas. It shares
-//! only the random streams with the simulator.
+//! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheel speeds and arcs with its own
+//! formulas. It shares only the random streams with the simulator.
 
 use std::sync::Arc;
 
@@ -20,13 +20,13 @@ use crate::course::{EndPose, model};
 use crate::wide::Wide;
 
 pub const STUDY: Study =
-    Study { name: "erring", title: "Position after a minute of driving with wheel lag and noise", run };
+    Study { name: "imperfect-motion", title: "Position after a minute of driving with wheel lag and noise", run };
 
 /// Duration of the drive.
 const DURATION: Time = Time::from_millis(60_000);
 const SEED: u64 = 2718;
-const ME: RobotId = RobotId(1);
-/// Cycle of the commands' speeds, m/s, and turning speeds, rad/s.
+const ROBOT: RobotId = RobotId(1);
+/// Speeds (m/s) and turning speeds (rad/s) of the commands, which cycle through this list.
 const TWISTS: [(f64, f64); 5] = [(0.3, 0.0), (0.2, 0.9), (-0.1, -0.4), (0.25, -0.7), (0.0, 1.1)];
 /// Time of the first command; no command is at a tick.
 const FIRST_COMMAND: Time = Time(3_217);
@@ -35,10 +35,10 @@ const COMMAND_INTERVAL: Time = Time(1_303_331);
 /// Lengths of slots and steps.
 const LENGTHS: [Time; 4] = [Time(100), Time(1_000), Time(10_000), Time(50_000)];
 
-/// Name of the last case, with all errors.
+/// Name of the last case, which has all errors.
 const ALL_ERRORS: &str = "lag and noise";
 
-/// A robot with errors.
+/// A robot with lag and a noise model of its drive.
 struct Case {
     name: &'static str,
     lag: f64,
@@ -72,7 +72,7 @@ fn run(effort: Effort) -> Outcome {
         let lengths = if case.name == ALL_ERRORS { &LENGTHS[..] } else { &LENGTHS[3..] };
         for length in lengths {
             let error = case.error(&ends, *length);
-            let time_ns = nanoseconds(effort.of(10), 1, || case.by_core(*length).0) / DURATION.seconds();
+            let time_ns = nanoseconds(effort.of(10), 1, || case.simulate(*length).0) / DURATION.seconds();
             rows.push(row(case.name, format!("slots of {}", duration(*length)), error, time_ns));
         }
     }
@@ -115,14 +115,14 @@ impl Case {
 
     /// Error of the simulator's final pose or of its odometry, whichever is larger, m.
     fn error(&self, [truth, odometry]: &[EndPose; 2], slot: Time) -> f64 {
-        let (pose, found_odometry) = self.by_core(slot);
+        let (pose, found_odometry) = self.simulate(slot);
         truth.distance(&pose).max(odometry.distance(&found_odometry))
     }
 
     /// True pose and odometry at the end, by the simulator.
-    fn by_core(&self, slot: Time) -> (Pose, Pose) {
+    fn simulate(&self, slot: Time) -> (Pose, Pose) {
         let walls = Arc::new(Walls::new(Vec::new()));
-        let mut motion = Motion::new(ME, Arc::new(self.model()), Arc::clone(&walls), Pose::default())
+        let mut motion = Motion::new(ROBOT, Arc::new(self.model()), Arc::clone(&walls), Pose::default())
             .with_imperfection(SEED, self.imperfection)
             .expect("errors within their ranges");
         let mut world = World::new(walls, slot, [&mut motion]);
@@ -137,14 +137,14 @@ impl Case {
         (motion.pose(DURATION), motion.odometry(DURATION))
     }
 
-    /// The twists of the whole drive.
+    /// Intervals of constant speed of the whole drive, by the reference.
     fn intervals(&self) -> Vec<Interval> {
         let model = self.model();
         let (radius, track) = (Wide::from(0.5) * Wide::from(model.wheel_diameter), Wide::from(model.track));
         let one_half = Wide::from(0.5);
         let lag_factor = if self.lag > 0.0 { exp(-(Wide::from(0.01) / Wide::from(self.lag))) } else { Wide::default() };
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
-        let streams = |purpose, name| EventStreams::new(SEED, ME, purpose, name);
+        let streams = |purpose, name| EventStreams::new(SEED, ROBOT, purpose, name);
         let slip_streams = streams(Purpose::Command, "slip");
         let (command_streams, odometry_streams) = (streams(Purpose::Command, ""), streams(Purpose::Odometry, ""));
         let mut commands = commands().peekable();
@@ -199,11 +199,11 @@ impl Case {
     }
 }
 
-/// End poses of the robot and of its odometry, from the arcs of all intervals with 30 digits.
+/// End poses of the robot and of its odometry, computed from the arcs of all intervals with 30 digits.
 fn ends(intervals: &[Interval]) -> [EndPose; 2] {
     let mut ends = [EndPose::default(); 2];
     for interval in intervals {
-        // Durations are whole microseconds, which this conversion makes exact.
+        // Durations are whole microseconds; the rounding restores their exact number.
         let seconds = Wide::from((interval.seconds * 1e6).round()) / Wide::from(1e6);
         for (end, [v, w]) in ends.iter_mut().zip([interval.truth, interval.odometry]) {
             let (sin, cos) = end.heading.sin_cos();
@@ -222,7 +222,7 @@ fn ends(intervals: &[Interval]) -> [EndPose; 2] {
     ends
 }
 
-/// End pose of the robot by the method of Euler or of Runge and Kutta, in steps of at most `step` s.
+/// End pose of the robot by Euler's method or the Runge-Kutta method, in steps of at most `step` s.
 fn integrate(intervals: &[Interval], step: f64, is_euler: bool) -> Pose {
     let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0_f64);
     for interval in intervals {
@@ -267,8 +267,8 @@ mod tests {
     fn core_matches_the_reference_for_any_slot_length() {
         for case in cases() {
             let ends = ends(&case.intervals());
-            let (pose, found_odometry) = case.by_core(LENGTHS[3]);
-            // The tolerance is the rounding of 6,000 ticks.
+            let (pose, found_odometry) = case.simulate(LENGTHS[3]);
+            // The tolerance covers the rounding errors of 6,000 ticks.
             let error = case.error(&ends, LENGTHS[3]);
             assert!(error < 1e-12, "{}: {error}", case.name);
             assert!(
@@ -276,7 +276,7 @@ mod tests {
                 "{}: errors have no effect",
                 case.name
             );
-            assert_eq!(case.by_core(LENGTHS[1]), (pose, found_odometry), "{}", case.name);
+            assert_eq!(case.simulate(LENGTHS[1]), (pose, found_odometry), "{}", case.name);
         }
     }
 }
