@@ -184,8 +184,8 @@ fn sensor(model: RangeNoise) -> RangeErrors {
 fn readings_are_normal_with_the_distance_as_mean() {
     for exact in [5.0_f64, 50.0] {
         let model =
-            RangeNoise { sigma: 0.003, sigma_share: 0.001, sigma_square: 0.000_1, bias: 0.01, ..RangeNoise::default() };
-        let parts = [model.sigma, model.sigma_share * exact, model.sigma_square * exact * exact];
+            RangeNoise { sigma: 0.003, sigma_share: 0.001, sigma_per_m: 0.000_1, bias: 0.01, ..RangeNoise::default() };
+        let parts = [model.sigma, model.sigma_share * exact, model.sigma_per_m * exact * exact];
         let sigma = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut sample = readings(&sensor(model), MILLION, exact);
         assert_p(&format!("at {exact} m"), normality(&mut sample, exact + 0.01, sigma));
@@ -531,8 +531,8 @@ fn ticks(kind: DriveKind, commanded: Twist, imperfection: Imperfection) -> [Vec<
     let [mut truth, mut odometric] = [Vec::new(), Vec::new()];
     for robot in 1..=100 {
         let motion = drive::Motion::new(RobotId(robot), Arc::clone(&model), Arc::clone(&walls), Pose::default());
-        let mut motion = motion.with_imperfection(SEED, imperfection).expect("a sound imperfection");
-        motion.command(Time::ZERO, Command::Twist(commanded), &[]).expect("a sound command");
+        let mut motion = motion.with_imperfection(SEED, imperfection).expect("a valid imperfection");
+        motion.command(Time::ZERO, Command::Twist(commanded), &[]).expect("a valid command");
         let mut before = motion.pose(Time::ZERO);
         for tick in 0..10_000 {
             odometric.push(motion.speed(Time(tick * TICK.0)));

@@ -85,7 +85,7 @@ fn a_profile_reads_as_it_says() {
     let psd = RangeNoise {
         sigma: 0.0015,
         sigma_share: 0.7 / 100.0,
-        sigma_square: 0.05,
+        sigma_per_m: 0.05,
         bias: -0.003,
         bias_sigma: 0.004,
         step: 0.01,

@@ -49,7 +49,7 @@ const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, fa
 const NOISE: RangeNoise = RangeNoise {
     sigma: 0.005,
     sigma_share: 0.005,
-    sigma_square: 0.0,
+    sigma_per_m: 0.0,
     bias: 0.0,
     bias_sigma: 0.0,
     step: 0.01,

@@ -1,11 +1,12 @@
-//! Blur of a lens.
+//! Lens blur: convolves an image with a discrete Gaussian.
 
 /// Standard deviation in pixels below which the blur changes no pixel.
 const MIN_SIGMA: f64 = 1e-3;
 
 /// Filter weights from the central pixel to one side. The weights of the whole filter, both sides and the centre, sum to 1.
 ///
-/// The weight at a distance of n pixels is exp(-t) I_n(t), where t = `sigma`^2 and I_n is the modified Bessel function.
+/// The weight at a distance of n pixels is exp(-t) I_n(t), where t = `sigma`^2 and I_n is the modified Bessel function of the first
+/// kind.
 /// This is the discrete analogue of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`, and blurring twice
 /// adds variances; a sampled Gaussian has neither property for a `sigma` below one pixel. The filter ends four standard
 /// deviations and one pixel from its centre. I_n is computed by Miller's backward recurrence. Source: Lindeberg 1990,
@@ -31,7 +32,7 @@ fn weights(sigma: f64) -> Vec<f32> {
 /// Blurs a picture with a Gaussian point spread function of standard deviation `sigma` in pixels. The rows of the picture have `width`
 /// pixels; the picture is mirrored at its borders.
 ///
-/// Filters rows, then columns, in single precision, and rounds to levels at the end. A picture of one colour is unchanged.
+/// Filters rows, then columns, in single precision, and rounds the result to whole levels. A picture of one colour is unchanged.
 ///
 /// # Panics
 /// If the number of pixels is not a multiple of `width`.
@@ -52,7 +53,7 @@ pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; 
     for (row, out) in pixels.chunks_exact_mut(width).enumerate() {
         for (column, pixel) in out.iter_mut().enumerate() {
             let sample = |row: usize| filtered_rows[mirrored_rows[row] * width + column];
-            // A conversion to an integer saturates.
+            // The conversion to `u8` saturates.
             *pixel = filtered(&weights, row, sample).map(|sample| sample.round() as u8);
         }
     }

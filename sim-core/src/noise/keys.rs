@@ -62,7 +62,7 @@ pub const RANGE: Keys<RangeNoise> = &[
         "sigma_per_m",
         "Coefficient k in 1/m of a standard deviation k d^2 of each reading, where d is the distance.",
         Quantity::per_metre("coefficient of the standard deviation", 1000.0),
-        |range| &mut range.sigma_square,
+        |range| &mut range.sigma_per_m,
     ),
     key("bias_mm", "Error of all readings in mm.", signed_length("bias"), |range| &mut range.bias),
     key(

@@ -26,7 +26,7 @@ pub struct RangeNoise {
     pub sigma_share: f64,
     /// Coefficient k of a standard deviation k d^2 of each reading, 1/m. It models a sensor with constant noise on a
     /// signal proportional to 1/d.
-    pub sigma_square: f64,
+    pub sigma_per_m: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
     /// Standard deviation of B, the constant error that differs between sensors, m.
@@ -51,7 +51,7 @@ impl Default for RangeNoise {
         Self {
             sigma: 0.0,
             sigma_share: 0.0,
-            sigma_square: 0.0,
+            sigma_per_m: 0.0,
             bias: 0.0,
             bias_sigma: 0.0,
             step: 0.0,
@@ -66,9 +66,9 @@ impl Default for RangeNoise {
 
 impl RangeNoise {
     /// Standard deviation s of a reading at a distance d, in metres:
-    /// s^2 = `sigma`^2 + (`sigma_share` d)^2 + (`sigma_square` d^2)^2.
+    /// s^2 = `sigma`^2 + (`sigma_share` d)^2 + (`sigma_per_m` d^2)^2.
     pub fn sigma_at(&self, distance: f64) -> f64 {
-        math::hypot(math::hypot(self.sigma, self.sigma_share * distance), self.sigma_square * distance * distance)
+        math::hypot(math::hypot(self.sigma, self.sigma_share * distance), self.sigma_per_m * distance * distance)
     }
 }
 
@@ -80,7 +80,7 @@ pub struct RangeErrors {
     device_streams: EventStreams,
     /// Constant error of this sensor, m.
     offset: f64,
-    is_exact: bool,
+    has_exact_readings: bool,
 }
 
 impl RangeErrors {
@@ -92,7 +92,7 @@ impl RangeErrors {
             reading_streams: EventStreams::new(seed, robot, Purpose::Range, device),
             device_streams: EventStreams::new(seed, robot, Purpose::Signal, device),
             offset: model.bias + if model.bias_sigma == 0.0 { 0.0 } else { model.bias_sigma * deviate() },
-            is_exact: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
+            has_exact_readings: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
                 == RangeNoise { drift_time: 0.0, ..RangeNoise::default() },
         }
     }
@@ -107,8 +107,8 @@ impl RangeErrors {
     }
 
     /// Returns true if [`RangeErrors::reading`] adds no errors; [`RangeErrors::device_noise`] may add some.
-    pub fn is_exact(&self) -> bool {
-        self.is_exact
+    pub fn has_exact_readings(&self) -> bool {
+        self.has_exact_readings
     }
 
     /// Reading of the sensor at the time `at` for the true distance `exact`, in metres; `None` means no return. The
@@ -122,7 +122,7 @@ impl RangeErrors {
     /// Errors of the scan with this index. The points of the scan are read in order; each has an independent error, and
     /// all have the sensor's constant error and its drift.
     pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
-        let stream_and_offset = (!self.is_exact).then(|| {
+        let stream_and_offset = (!self.has_exact_readings).then(|| {
             let drift = self.model.drift;
             let present_drift =
                 if drift == 0.0 { 0.0 } else { drift * math::exp(-at.seconds() / self.model.drift_time) };
@@ -201,11 +201,11 @@ mod tests {
 
     #[test]
     fn parts_of_the_standard_deviation_add_as_variances() {
-        let model = RangeNoise { sigma: 0.02, sigma_share: 0.06, sigma_square: 0.09, ..RangeNoise::default() };
+        let model = RangeNoise { sigma: 0.02, sigma_share: 0.06, sigma_per_m: 0.09, ..RangeNoise::default() };
         // The parts are 0.02, 0.03 and 0.0225 at 0.5 m, and 0.02, 0.12 and 0.36 at 2 m.
         assert!((model.sigma_at(0.5) - 0.042_5).abs() < 1e-15, "{}", model.sigma_at(0.5));
         assert!((model.sigma_at(2.0) - 0.38).abs() < 1e-15, "{}", model.sigma_at(2.0));
-        assert_eq!(RangeNoise { sigma_square: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "to the bit");
+        assert_eq!(RangeNoise { sigma_per_m: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "to the bit");
     }
 
     #[test]

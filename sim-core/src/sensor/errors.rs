@@ -24,7 +24,7 @@ impl RangeErrors {
     /// An exact reading without signal is treated as no return; no return gives a reading without signal. An outlier
     /// without a return has signal 1.
     pub fn reading_of(&self, index: u64, at: Time, model: &RangeModel, exact: Reading) -> Reading {
-        if self.is_exact() {
+        if self.has_exact_readings() {
             return exact;
         }
         let echo = exact.distance.filter(|_| exact.signal > 0.0);
