@@ -9,8 +9,8 @@ use crate::{Result, Robot};
 
 /// A value shared between tasks. Clones refer to the same value; one task at a time can lock it.
 ///
-/// Tasks wait at a semaphore of RoBIOS. The mutex inside is therefore never contended; it makes sharing safe for every
-/// schedule.
+/// Tasks wait at a semaphore of RoBIOS, so the mutex inside is never contended. The mutex makes sharing safe for
+/// every schedule.
 #[derive(Debug)]
 pub struct Shared<T> {
     semaphore: Semaphore,
@@ -19,7 +19,7 @@ pub struct Shared<T> {
 
 /// Guard of a [`Shared`] value, which is locked until the guard is dropped.
 #[derive(Debug)]
-#[must_use = "the value is locked only while it lives"]
+#[must_use = "the value is unlocked when the guard is dropped"]
 pub struct SharedGuard<'a, T> {
     // Field order matters: the mutex is released before the semaphore, so that the next task finds it free.
     value: MutexGuard<'a, T>,

@@ -1,4 +1,4 @@
-//! The page of the class.
+//! Writes the page of the class.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ const BARS: usize = 10;
 /// Maximum number of submissions in the list of the slowest.
 const MAX_SLOWEST: usize = 10;
 
-/// The page of the class: distribution of the points, submissions, checks, groups of equal behaviour, slowest submissions.
+/// Returns the page of the class: distribution of the points, submissions, checks, groups of equal behaviour, slowest submissions.
 pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
     let title = title(grader);
     let mut html = head(&format!("{title}: eyesim grade"), STYLE);
@@ -81,13 +81,13 @@ fn distribution(html: &mut String, points: &[f64], max_points: f64) {
 fn link(student: &Student) -> String {
     format!(
         "<a href=\"students/{0}/index.html\">{1}</a>",
-        url(&student.submission.folder),
+        percent_encoded(&student.submission.folder),
         escaped(&student.submission.name)
     )
 }
 
-/// Escapes the name of a folder for a link.
-fn url(folder: &str) -> String {
+/// Percent-encodes the name of a folder for a link.
+fn percent_encoded(folder: &str) -> String {
     let byte = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => char::from(byte).to_string(),
         byte => format!("%{byte:02X}"),
@@ -126,7 +126,8 @@ fn shortened(text: &str) -> String {
     short
 }
 
-/// Table with a row for each student, a column for each check of each variant, and the share of cases that meet it.
+/// Writes a table with a row for each student and a column for each check of each variant. Each cell gives the share of
+/// the cases that meet the check.
 fn heat_map(html: &mut String, grader: &Grader, students: &[Student]) {
     let mut columns: Vec<(&str, usize, &str)> = Vec::new();
     for (name, _) in grader.variants_of_suite() {
@@ -173,7 +174,7 @@ fn heat_map(html: &mut String, grader: &Grader, students: &[Student]) {
     html.push_str("</tr>\n</table></div>\n");
 }
 
-/// Groups of submissions that behave the same in all cases, and of submissions with equal files.
+/// Writes the groups of submissions that behave the same in all cases; marks groups whose files are equal.
 fn groups(html: &mut String, students: &[Student]) {
     let mut behaviours: BTreeMap<String, Vec<&Student>> = BTreeMap::new();
     for student in students {
@@ -190,7 +191,7 @@ fn groups(html: &mut String, students: &[Student]) {
     }
     html.push_str(
         "<p>These submissions have the same digest in every case: their robots did the same at the same instants. Simple programs may agree \
-         by chance; the folder <code>sources</code> is for checkers of similarity.</p>\n<ul>\n",
+         by chance; tools that compare sources can read the folder <code>sources</code>.</p>\n<ul>\n",
     );
     for group in groups {
         let files =
@@ -207,7 +208,7 @@ fn slowest(html: &mut String, students: &[Student]) {
     let mut slowest: Vec<&Student> = students.iter().filter(|student| student.graded.real_time_s > 0.0).collect();
     slowest.sort_by(|a, b| b.graded.real_time_s.total_cmp(&a.graded.real_time_s));
     html.push_str(
-        "<h2>Slowest</h2>\n<table class=\"list\">\n<tr><th>student</th><th class=\"number\">s</th><th>programs that were stopped</th></tr>\n",
+        "<h2>Slowest</h2>\n<table class=\"list\">\n<tr><th>student</th><th class=\"number\">s</th><th>cases with a stopped program</th></tr>\n",
     );
     for student in slowest.into_iter().take(MAX_SLOWEST) {
         let is_stopped = |robot: &crate::suite::RowRobot| robot.outcome == sim_core::record::Outcome::Timeout;
