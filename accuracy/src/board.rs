@@ -164,7 +164,7 @@ mod tests {
             };
             let picture = Picture::new([40, 32], (0..40 * 32).map(pixel).collect());
             let found = crossings(&picture);
-            assert!(found.len() == 1 && (found[0] - crossing).length() < 0.015, "{found:?} for {crossing}");
+            assert!(found.len() == 1 && (found[0] - crossing).length() < 0.015, "{found:?} instead of {crossing}");
         }
     }
 

@@ -267,7 +267,7 @@ mod tests {
         for (integrator, order) in [(euler as fn(&Course, f64) -> Pose, 1.0), (runge_kutta, 4.0)] {
             let (coarse, fine) = (error(integrator, 0.1), error(integrator, 0.05));
             let found = (coarse / fine).log2();
-            assert!((found - order).abs() < 0.2, "order {found} for {order}: {coarse} and {fine} m");
+            assert!((found - order).abs() < 0.2, "order {found} instead of {order}: {coarse} and {fine} m");
         }
     }
 

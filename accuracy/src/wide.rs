@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     fn assert_close(found: Wide, expected: Wide, error: f64) {
-        assert!((found - expected).high.abs() <= error, "{found:?} for {expected:?}");
+        assert!((found - expected).high.abs() <= error, "{found:?} instead of {expected:?}");
     }
 
     #[test]

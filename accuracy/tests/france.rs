@@ -1,4 +1,4 @@
-//! The three sensors of France et al. on a walk over a floor towards a step, compared with section 6.3 of the paper.
+//! Compares the three sensors of France et al., which walk over a floor towards a step, with section 6.3 of the paper.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -21,7 +21,7 @@ fn incidence_angles_match_the_paper() {
 }
 
 #[test]
-fn laser_has_no_echo_from_the_floor_beyond_45_degrees() {
+fn laser_has_no_return_from_the_floor_beyond_45_degrees() {
     let (mut detected, mut lost) = (0, 0);
     for sample in samples() {
         let expected = if sample.incidence <= FRAC_PI_4 && sample.exact <= 2.0 { sample.exact } else { 2.0 };
@@ -30,7 +30,7 @@ fn laser_has_no_echo_from_the_floor_beyond_45_degrees() {
             (detected, lost) = if expected < 2.0 { (detected + 1, lost) } else { (detected, lost + 1) };
         }
     }
-    assert!(detected > 200 && lost > 400, "{detected} seen, {lost} lost");
+    assert!(detected > 200 && lost > 400, "{detected} detected, {lost} lost");
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn ultrasonic_sensor_detects_only_the_step() {
             detected += 1;
         }
     }
-    assert!(detected > 20, "{detected} samples see the step");
+    assert!(detected > 20, "the step is detected in {detected} samples");
 }
 
 #[test]
@@ -55,13 +55,13 @@ fn reflectance_sensor_has_the_bias_of_eq_1() {
             assert_eq!(reflectance, 1.0);
             continue;
         }
-        // The printed root is accurate enough, since the signal is not small.
+        // The paper's formula is accurate enough here, since the signal s is not small.
         let cos = sim_core::math::cos(incidence);
         let s = (1.0 - d) / (d * d) * cos * cos;
-        let printed = (-1.0 + (1.0 + 4.0 * s).sqrt()) / (2.0 * s);
-        assert!((reflectance - printed).abs() < 1e-11 / s, "{sample:?}: {printed}");
-        assert!(reflectance > d, "less light seems farther: {sample:?}");
+        let by_paper = (-1.0 + (1.0 + 4.0 * s).sqrt()) / (2.0 * s);
+        assert!((reflectance - by_paper).abs() < 1e-11 / s, "{sample:?}: {by_paper}");
+        assert!(reflectance > d, "the bias is not positive: {sample:?}");
         max_bias = max_bias.max(reflectance - d);
     }
-    assert!(max_bias > 0.2, "by {max_bias} m at most");
+    assert!(max_bias > 0.2, "maximum bias {max_bias} m");
 }

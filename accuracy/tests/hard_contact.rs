@@ -1,5 +1,5 @@
-//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the origin, with any
-//! slot length.
+//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the
+//! origin and with any slot length.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -60,7 +60,7 @@ fn first_of_many_walls_stops_the_robot_at_any_speed() {
         for speed in [1e-6, 0.1, 1.0, 50.0, 1e3] {
             let mut motion = robot(&walls, Pose::default());
             let mut world = World::new(Arc::new(Walls::new(walls.clone())), Time(slot), [&mut motion]);
-            motion.command(Time(3), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("sound");
+            motion.command(Time(3), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("valid");
             for _ in 0..20 {
                 world.advance(&mut [&mut motion]);
                 let x = motion.pose(world.slot_start()).position.x;
@@ -88,7 +88,7 @@ fn head_on_robots_stop_a_skin_apart_at_any_speed_and_slot() {
             ];
             let mut world = World::new(walls, Time(slot), &mut motions);
             for (motion, speed) in motions.iter_mut().zip([left, right]) {
-                motion.command(Time::ZERO, Command::Twist(Twist::new(speed, 0.0)), &[]).expect("sound");
+                motion.command(Time::ZERO, Command::Twist(Twist::new(speed, 0.0)), &[]).expect("valid");
             }
             while world.slot_start() < Time(4_000_000) {
                 world.advance(&mut motions.iter_mut().collect::<Vec<_>>());
@@ -100,13 +100,13 @@ fn head_on_robots_stop_a_skin_apart_at_any_speed_and_slot() {
             let [a, b] = motions.each_mut().map(|motion| motion.pose(at).position.x);
             assert!(((b - a - 2.0 * RADIUS) - SKIN).abs() < 2e-9, "gap at {left} and {right} m/s");
             let expected = (2.0 - 2.0 * RADIUS - SKIN) * left / (left + right);
-            assert!((a + 1.0 - expected).abs() < 1e-6, "{a} for {expected} at {left} and {right} m/s");
+            assert!((a + 1.0 - expected).abs() < 1e-6, "{a} instead of {expected} at {left} and {right} m/s");
         }
     }
 }
 
-/// Criterion: a robot that starts in contact, or nearly up to its centre in a wall, moves as far as commanded in
-/// directions away from the wall, and not at all in directions deeper into it.
+/// Criterion: a robot that starts in contact, or overlaps a wall nearly up to its centre, moves the commanded distance
+/// in directions away from the wall, and does not move in directions into the wall.
 #[test]
 fn robots_that_start_in_contact_move_only_away() {
     let walls = [wall(-5.0, 0.0, 5.0, 0.0)];
@@ -114,7 +114,7 @@ fn robots_that_start_in_contact_move_only_away() {
         for direction in 0..8 {
             let heading = f64::from(direction) * PI / 4.0;
             let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
-            motion.command(Time(9), drive(0.3, 0.0, 1.0), &[]).expect("sound");
+            motion.command(Time(9), drive(0.3, 0.0, 1.0), &[]).expect("valid");
             let is_away = direction <= 4;
             assert_eq!(motion.drive_end().is_some(), is_away, "depth {depth}, heading {heading}");
             let moved = (motion.pose(Time(3_000_000)).position - DVec2::new(0.0, RADIUS - depth)).length();
@@ -124,7 +124,7 @@ fn robots_that_start_in_contact_move_only_away() {
             );
             // A turn on the spot is unobstructed.
             let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
-            motion.command(Time(9), drive(0.0, 9.0, 1.0), &[]).expect("sound");
+            motion.command(Time(9), drive(0.0, 9.0, 1.0), &[]).expect("valid");
             assert!(motion.drive_end().is_some(), "depth {depth}");
         }
     }
@@ -140,20 +140,20 @@ fn wedged_robot_reverses_out_of_corners_of_any_angle() {
         let walls = [wall(0.0, 0.0, -20.0 * cos, 20.0 * sin), wall(0.0, 0.0, -20.0 * cos, -20.0 * sin)];
         let start = -RADIUS / sin - 0.1;
         let mut motion = robot(&walls, Pose::new(start, 0.0, 0.0));
-        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("valid");
         let mut at = Time::from_millis(10_000);
         let wedged = motion.pose(at);
         let gap = oracle::clearance(&walls, wedged.position, RADIUS);
         assert!((gap - SKIN).abs() < 1e-12, "{degrees} degrees: gap {gap}");
         assert!((wedged.position.x + (RADIUS + SKIN) / sin).abs() < 1e-9);
         for _ in 0..10 {
-            motion.command(at, drive(0.0, TAU / 10.0, 0.1), &[]).expect("sound");
-            at = motion.drive_end().expect("it turns");
+            motion.command(at, drive(0.0, TAU / 10.0, 0.1), &[]).expect("valid");
+            at = motion.drive_end().expect("the wedged robot turns");
         }
-        motion.command(at, drive(0.5, 0.0, 1.0), &[]).expect("sound");
-        assert_eq!(motion.drive_end(), None, "{degrees} degrees: deeper it does not go");
-        motion.command(at + Time(1), drive(-0.5, 0.0, 1.0), &[]).expect("sound");
-        let end = motion.drive_end().unwrap_or_else(|| panic!("it does not come out of {degrees} degrees"));
+        motion.command(at, drive(0.5, 0.0, 1.0), &[]).expect("valid");
+        assert_eq!(motion.drive_end(), None, "{degrees} degrees: the wedged robot moves deeper");
+        motion.command(at + Time(1), drive(-0.5, 0.0, 1.0), &[]).expect("valid");
+        let end = motion.drive_end().unwrap_or_else(|| panic!("{degrees} degrees: the robot does not reverse out"));
         assert!((motion.pose(end).position.x - wedged.position.x + 0.5).abs() < 1e-9);
         assert_eq!(motion.contacts(end), 1);
     }
@@ -174,13 +174,13 @@ fn robot_drives_through_a_gap_one_millimetre_wider() {
             Segment::new(point(1.0, -half_width), point(1.0, -2.0)),
         ];
         let mut centred = robot(&walls, frame);
-        centred.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        centred.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("valid");
         let end = centred.drive_end().expect("the gap is wide enough");
         assert_eq!(centred.contacts(end), 0);
         let gap = oracle::clearance(&walls, centred.pose(end).position, RADIUS);
         assert!((gap - 0.5e-3).abs() < 1e-10, "gap {gap}");
         let mut off_centre = robot(&walls, Pose { position: point(0.0, 0.6e-3), ..frame });
-        off_centre.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        off_centre.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("valid");
         assert_eq!(off_centre.drive_end(), None);
         let gap = oracle::clearance(&walls, off_centre.pose(Time(200_000_000)).position, RADIUS);
         assert!((gap - SKIN).abs() < 1e-11, "gap {gap}");
@@ -212,7 +212,7 @@ fn thousand_drives_among_boxes_keep_the_skin() {
             while world.slot_end() <= at {
                 world.advance(&mut [&mut motion]);
             }
-            motion.command(at, *command, &[]).expect("sound");
+            motion.command(at, *command, &[]).expect("valid");
             for part in 0..20 {
                 let pose = motion.pose(at + Time(part * 10_850));
                 let gap = oracle::clearance(&walls, pose.position, RADIUS);
@@ -223,6 +223,6 @@ fn thousand_drives_among_boxes_keep_the_skin() {
         (poses, motion.contacts(Time(1_000 * 217_003)))
     };
     let (poses, contacts) = run(1_000);
-    assert!(contacts > 50, "{contacts} contacts: the drives say something");
+    assert!(contacts > 50, "{contacts} contacts: too few for a test");
     assert_eq!(run(1_000_000), (poses, contacts));
 }

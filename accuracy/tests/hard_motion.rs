@@ -16,7 +16,7 @@ use sim_core::time::Time;
 use sim_core::world::World;
 
 fn robot(model: Model, walls: Vec<Segment>, start: Pose) -> Motion {
-    model.check().expect("a sound model");
+    model.check().expect("a valid model");
     Motion::new(RobotId(1), Arc::new(model), Arc::new(Walls::new(walls)), start)
 }
 
@@ -64,7 +64,7 @@ fn run_commands(mut motion: Motion, slot: Time) -> Vec<State> {
             world.advance(&mut [&mut motion]);
         }
         states.push(motion.state(at));
-        motion.command(at, command, &[]).expect("a sound command");
+        motion.command(at, command, &[]).expect("a valid command");
         states.push(motion.state(at + Time(3_217)));
     }
     states
@@ -83,11 +83,11 @@ fn states_have_equal_bits_for_any_slot_length() {
     let new = |model: Model| Motion::new(RobotId(1), Arc::new(model), small_room(), Pose::new(0.0, -0.01, 0.7));
     let controlled = || {
         let mut motion = new(lagging_model.clone());
-        motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.2, vw: 3.0, tw: 0.2 }).expect("sound");
-        motion.start_wheel_control(Time::ZERO, 0, Pid { p: 2.0, i: 30.0, d: 0.001 }).expect("sound");
+        motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.2, vw: 3.0, tw: 0.2 }).expect("valid");
+        motion.start_wheel_control(Time::ZERO, 0, Pid { p: 2.0, i: 30.0, d: 0.001 }).expect("valid");
         motion
     };
-    let imperfect = |motion: Motion| motion.with_imperfection(5, imperfection()).expect("sound");
+    let imperfect = |motion: Motion| motion.with_imperfection(5, imperfection()).expect("valid");
     let robots: [(&str, Motion); 6] = [
         ("plain", new(model())),
         ("lag", new(lagging_model.clone())),
@@ -113,7 +113,7 @@ fn drives_end_exactly_at_any_turning_speed() {
         for sign in [1.0, -1.0] {
             let omega = sign * 10.0_f64.powi(exponent);
             let mut motion = robot(fast_model.clone(), vec![], Pose::default());
-            motion.command(Time(7), drive(1.0, 2.0 * omega, 2.0), &[]).expect("sound");
+            motion.command(Time(7), drive(1.0, 2.0 * omega, 2.0), &[]).expect("valid");
             let end = motion.drive_end().expect("an end");
             assert!((end - Time(2_000_007)).0.abs() <= 1, "{end:?} at {omega} rad/s");
             let pose = motion.pose(end);
@@ -127,7 +127,7 @@ fn drives_end_exactly_at_any_turning_speed() {
                 let wide = Wide::from(angle);
                 DVec2::new((sin / wide).rounded(), ((Wide::from(1.0) - cos) / wide).rounded())
             };
-            assert!((pose.position - expected).length() < 1e-12, "{pose:?} for {expected} at {omega} rad/s");
+            assert!((pose.position - expected).length() < 1e-12, "{pose:?} instead of {expected} at {omega} rad/s");
         }
     }
 }
@@ -138,7 +138,7 @@ fn drives_end_exactly_at_any_turning_speed() {
 fn million_turns_stay_on_the_circle() {
     let mut motion = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2));
     let (v, omega) = (0.4, 2.5);
-    motion.command(Time::ZERO, Command::Twist(Twist::new(v, omega)), &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(v, omega)), &[]).expect("valid");
     let at = Time(2_513_274_122_872); // A million turns, to the microsecond.
     let state = motion.state(at);
     assert!((999_999..=1_000_001).contains(&state.world_from_axle.heading.turns()));
@@ -163,11 +163,11 @@ fn course_ten_kilometres_away_is_the_same() {
     {
         let run = |offset: DVec2| {
             let start = Pose { position: offset, ..Pose::new(0.0, 0.0, 0.3) };
-            let mut motion = robot(model.clone(), vec![], start).with_imperfection(3, imperfection).expect("sound");
+            let mut motion = robot(model.clone(), vec![], start).with_imperfection(3, imperfection).expect("valid");
             let mut at = Time::ZERO;
             for n in 0..200 {
                 let command = drive(0.3 - 0.01 * f64::from(n % 50), 0.1 * f64::from(n % 17) - 0.8, 0.5);
-                motion.command(at, command, &[]).expect("sound");
+                motion.command(at, command, &[]).expect("valid");
                 at = motion.drive_end().expect("an end");
             }
             (motion.pose(at).position - offset, at)
@@ -186,7 +186,7 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(50), [&mut motion]);
     let mut at = Time::ZERO;
     for _ in 0..1_000_000 {
-        motion.command(at, drive(1e-6, 0.0, 1e-5), &[]).expect("sound");
+        motion.command(at, drive(1e-6, 0.0, 1e-5), &[]).expect("valid");
         at = motion.drive_end().expect("an end");
         while world.slot_end() <= at {
             world.advance(&mut [&mut motion]);
@@ -195,7 +195,7 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let expected = DVec2::new(math::cos(0.5), math::sin(0.5));
     assert!((motion.pose(at).position - expected).length() < 1e-10, "{:?}", motion.pose(at));
     assert!((motion.odometry(at).position - DVec2::X).length() < 1e-10);
-    motion.command(at, drive(-1.0, 0.0, 1.0), &[]).expect("sound");
+    motion.command(at, drive(-1.0, 0.0, 1.0), &[]).expect("valid");
     let end = motion.drive_end().expect("an end");
     assert!(motion.pose(end).position.length() < 1e-10);
 }
@@ -208,10 +208,10 @@ fn zero_and_negative_drives_end() {
     for (model, imperfection) in
         [(model(), Imperfection::default()), (lagging_model, Imperfection::default()), (model(), imperfection())]
     {
-        let new = || robot(model.clone(), vec![], Pose::default()).with_imperfection(8, imperfection).expect("sound");
+        let new = || robot(model.clone(), vec![], Pose::default()).with_imperfection(8, imperfection).expect("valid");
         for (length, angle) in [(0.0, 0.0), (-0.0, -0.0), (5e-324, 0.0), (0.0, -5e-324), (1e-300, 1e-300)] {
             let mut motion = new();
-            motion.command(Time(11), drive(length, angle, 0.0), &[]).expect("sound");
+            motion.command(Time(11), drive(length, angle, 0.0), &[]).expect("valid");
             let end = motion.drive_end().unwrap_or_else(|| panic!("no end of {length} m, {angle} rad"));
             assert!(end <= Time(20_000), "{end:?}");
             assert!(motion.pose(end).position.length() < 1e-12 && motion.is_drive_done(end));
@@ -219,7 +219,7 @@ fn zero_and_negative_drives_end() {
         for length in [1e-6, 1e-9, 0.2] {
             let ends = [length, -length].map(|length| {
                 let mut motion = new();
-                motion.command(Time::ZERO, drive(length, 0.0, 1.0), &[]).expect("sound");
+                motion.command(Time::ZERO, drive(length, 0.0, 1.0), &[]).expect("valid");
                 let end = motion.drive_end().expect("an end");
                 motion.state(end).wheels[0]
             });
@@ -235,18 +235,18 @@ fn saturated_controllers_keep_the_limit_and_recover() {
     let lagging_model = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
     let limit = 0.5; // m/s
     let mut motion = robot(lagging_model.clone(), vec![], Pose::default());
-    motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.1, vw: 3.0, tw: 0.1 }).expect("sound");
-    motion.command(Time::ZERO, Command::Twist(Twist::new(40.0, 0.0)), &[]).expect("sound");
+    motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.1, vw: 3.0, tw: 0.1 }).expect("valid");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(40.0, 0.0)), &[]).expect("valid");
     for second in 1..=60 {
         let speed = motion.speed(Time(second * 1_000_000)).vx;
         assert!(speed <= limit + 1e-9 && speed > limit - 1e-3, "{speed} m/s");
     }
     let at = Time(60_000_000);
-    motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
+    motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("valid");
     let speed = motion.speed(at + Time(300_000)).vx;
     assert!((speed - 0.1).abs() < 0.02, "{speed} m/s");
     // A drive that demands more than the limit takes longer and ends at its target.
-    motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("sound");
+    motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("valid");
     let before = motion.path_length(at + Time(1_000_000));
     let end = motion.drive_end().expect("an end");
     assert!((motion.path_length(end) - before - 0.5).abs() < 1e-9 && end > at + Time(1_900_000));
@@ -254,8 +254,8 @@ fn saturated_controllers_keep_the_limit_and_recover() {
         for integral_time in [1e-12, 1.0, 1e12] {
             let mut motion = robot(lagging_model.clone(), room(DVec2::splat(-1.0), 2.0), Pose::default());
             let gains = Gains { vv: factor, tv: integral_time, vw: factor, tw: integral_time };
-            motion.start_control(Time::ZERO, gains).expect("sound");
-            motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.5)), &[]).expect("sound");
+            motion.start_control(Time::ZERO, gains).expect("valid");
+            motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.5)), &[]).expect("valid");
             for step in 0..500 {
                 let state = motion.state(Time(step * 10_000));
                 let numbers = [state.world_from_axle.position.x, state.world_from_axle.position.y, state.wheels[0]];
@@ -272,7 +272,7 @@ fn drive_after_a_year_is_the_same() {
     let year = Time(365 * 86_400 * 1_000_000);
     let ends = [Time::ZERO, year].map(|start| {
         let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, PI / 3.0));
-        motion.command(start, drive(0.7, 1.3, 1.1), &[]).expect("sound");
+        motion.command(start, drive(0.7, 1.3, 1.1), &[]).expect("valid");
         let end = motion.drive_end().expect("an end");
         (end - start, motion.state(start + Time(543_210)), motion.pose(end))
     });

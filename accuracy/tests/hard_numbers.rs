@@ -117,8 +117,8 @@ fn motion_rejects_extreme_numbers_or_stays_finite() {
         for number in EXTREME_NUMBERS {
             for (robot, mut motion) in robots().into_iter().enumerate() {
                 let start = Time(3);
-                motion.command(start, Command::Twist(Twist::new(0.1, 0.05)), &[]).expect("sound");
-                motion.start_wheel_control(start, 0, Pid { p: 1.0, i: 1.0, d: 0.0 }).expect("sound");
+                motion.command(start, Command::Twist(Twist::new(0.1, 0.05)), &[]).expect("valid");
+                motion.start_wheel_control(start, 0, Pid { p: 1.0, i: 1.0, d: 0.0 }).expect("valid");
                 let at = Time(33_333);
                 let (revision, before) = (motion.revision(), motion.state(at));
                 let is_accepted = call(&mut motion, at, number);
@@ -145,15 +145,15 @@ fn motion_rejects_extreme_numbers_or_stays_finite() {
                 let reset_time = at + Time(ahead);
                 motion.stop_control(reset_time);
                 motion.stop_wheel_control(reset_time, 0).expect("a wheel");
-                motion.place(reset_time, Pose::default()).expect("sound");
-                motion.set_odometry(reset_time, Pose::default()).expect("sound");
+                motion.place(reset_time, Pose::default()).expect("valid");
+                motion.set_odometry(reset_time, Pose::default()).expect("valid");
                 let drive = Command::Drive { displacement: Twist::new(0.5, 0.5), duration: 1.0 };
-                motion.command(reset_time, drive, &[]).expect("sound");
+                motion.command(reset_time, drive, &[]).expect("valid");
                 let end = motion.drive_end().unwrap_or_else(|| panic!("{context}: the drive has no end"));
                 let target = Pose::default().moved(Twist::new(0.5, 0.5)).position;
                 let found = motion.odometry(end).position;
                 // With a lag a curve deviates slightly.
-                assert!((found - target).length() < 0.02, "{context}: {found} for {target}");
+                assert!((found - target).length() < 0.02, "{context}: {found} instead of {target}");
             }
         }
     }
@@ -183,7 +183,7 @@ fn world_rejects_extreme_numbers_or_stays_finite() {
             let found = world.object_pose(object, world.slot_start());
             assert!(found.position.is_finite() && found.heading.remainder().is_finite(), "{found:?} after {pose:?}");
         }
-        world.place_object(object, Pose::new(0.5, 0.5, 0.0)).expect("sound");
+        world.place_object(object, Pose::new(0.5, 0.5, 0.0)).expect("valid");
         world.advance(&mut [&mut motion]);
         for (origin, direction, range) in [
             (DVec2::new(number, 0.1), DVec2::X, 5.0),
@@ -196,7 +196,7 @@ fn world_rejects_extreme_numbers_or_stays_finite() {
             let is_sound = hit.is_none_or(|hit| hit.distance >= 0.0 && hit.distance.is_finite());
             assert!(is_sound, "{hit:?} from {origin} along {direction} to {range}");
         }
-        motion.command(world.slot_start(), Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        motion.command(world.slot_start(), Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("valid");
         let start = motion.pose(world.slot_start()).position.x;
         world.advance(&mut [&mut motion]);
         assert!((motion.pose(world.slot_start()).position.x - start - 0.01).abs() < 1e-12);

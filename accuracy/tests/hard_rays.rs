@@ -119,7 +119,10 @@ fn grazing_rays_hit_a_wall_at_the_right_distance() {
             // distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on it.
             let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
-            assert!((hit.distance - metres).abs() <= tolerance || starts_on, "angle {angle}: {hit:?} for {metres}");
+            assert!(
+                (hit.distance - metres).abs() <= tolerance || starts_on,
+                "angle {angle}: {hit:?} instead of {metres}"
+            );
         }
     }
 }

@@ -52,7 +52,7 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
         ("box on the grid", cuboid(half, 4, |point| point), DVec3::ZERO),
         ("box on the grid, 10 km away", cuboid(half, 4, |point| point + far), far),
         ("turned box", cuboid(half, 5, |point| rotation * point), DVec3::ZERO),
-        ("ring", torus(), DVec3::new(3.0, 0.0, 0.0)),
+        ("torus", torus(), DVec3::new(3.0, 0.0, 0.0)),
     ];
     let mut random = Random::new(61);
     for (name, triangles, inside) in meshes {
@@ -69,8 +69,8 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
             let target = point_of_an_edge(&triangles, &mut random);
             let to_target = target - origin;
             let hit = index.cast(origin, to_target.normalize_or(DVec3::X), f64::INFINITY);
-            // A ray inside the ring may miss a surface that it only grazes.
-            let farthest = if name == "ring" { f64::INFINITY } else { to_target.length() + TOLERANCE };
+            // A ray inside the torus may miss a surface that it only grazes.
+            let farthest = if name == "torus" { f64::INFINITY } else { to_target.length() + TOLERANCE };
             assert!(hit.is_some_and(|hit| hit.distance <= farthest), "{name}: {hit:?} from {origin} to {target}");
         }
     }
@@ -80,7 +80,8 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
 fn rays_along_an_axis_miss_a_box_only_outside() {
     let half = DVec3::splat(2.0);
     let index = MeshIndex::new(&cuboid(half, 4, |point| point));
-    // Origins at the squares' corners and half-way between them, up to beyond the box: some rays lie in the planes of faces.
+    // The origins are the squares' corners and the points half-way between them, also outside the box. Some rays lie in the
+    // planes of faces.
     for cell in 0..21 * 21 {
         let (u, v) = (f64::from(cell % 21) * 0.25 - 2.5, f64::from(cell / 21) * 0.25 - 2.5);
         for axis in 0..3 {
@@ -121,11 +122,12 @@ fn tiny_boxes_are_hit_in_a_large_world() {
             let target = position + 9e-4 * random.direction_in_space();
             let origin = position + random.between(0.01, 5.0) * random.direction_in_space();
             let to_target = target - origin;
-            let hit = index.cast(origin, to_target.normalize_or(DVec3::X), f64::INFINITY).expect("it is there");
+            let hit =
+                index.cast(origin, to_target.normalize_or(DVec3::X), f64::INFINITY).expect("the index finds the box");
             let (truth, number) =
                 oracle::nearest_triangle(&triangles, origin, to_target.normalize_or(DVec3::X), f64::INFINITY, 1e-11)
-                    .expect("so is it here");
-            assert!((hit.distance - truth).abs() < TOLERANCE, "{hit:?} for {truth}, triangle {number}");
+                    .expect("brute force finds the box");
+            assert!((hit.distance - truth).abs() < TOLERANCE, "{hit:?} instead of {truth}, triangle {number}");
         }
     }
 }

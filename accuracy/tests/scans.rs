@@ -84,7 +84,7 @@ impl Truth<'_> {
             // If the ray grazes a disc, shrinking the disc moves the hit by the square root of the change.
             Some(metres) => assert!(
                 min - TOLERANCE <= metres && metres <= max.min(self.range) + 1e-5_f64.min(TOLERANCE + (max - min)),
-                "{context}: {metres} for {min} to {max}"
+                "{context}: {metres} instead of {min} to {max}"
             ),
             None => assert!(max > self.range - TOLERANCE, "{context}: nothing for {min} to {max}"),
         }
@@ -150,11 +150,11 @@ fn scans_detect_moving_bodies_at_the_time_of_the_call() {
         world.set_object_velocity(ObjectId(1), random.direction(), 0.0);
         for motion in &mut motions {
             let twist = Twist::new(random.between(-0.6, 0.6), random.between(-2.0, 2.0));
-            motion.command(Time(10_001), Command::Twist(twist), &[]).expect("sound");
+            motion.command(Time(10_001), Command::Twist(twist), &[]).expect("valid");
         }
         for slot in 0..8 {
             if slot == 4 {
-                motions[2].place(world.slot_start() + Time(900), Pose::new(5.5, 5.5, 0.0)).expect("sound");
+                motions[2].place(world.slot_start() + Time(900), Pose::new(5.5, 5.5, 0.0)).expect("valid");
             }
             for call in 0..4 {
                 let at = world.slot_start() + Time(call * 12_345);
@@ -201,7 +201,7 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
         let expected = expected.map(|horizontal| horizontal / math::cos(tilt));
         match (found, expected) {
             (Some(metres), Some(expected)) => {
-                assert!((metres - expected).abs() < 1e-12, "{height} m, {tilt}: {metres} for {expected}");
+                assert!((metres - expected).abs() < 1e-12, "{height} m, {tilt}: {metres} instead of {expected}");
             }
             _ => assert_eq!(found, expected, "{height} m, {tilt}"),
         }

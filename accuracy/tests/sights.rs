@@ -17,14 +17,14 @@ use sim_core::{
     world::{HitSurface, Ray, RayHit, Space, ThickWall, World},
 };
 
-const ME: RobotId = RobotId(1);
+const ROBOT: RobotId = RobotId(1);
 
 fn world(walls: Walls, space: Space) -> World {
     World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty()).with_space(space)
 }
 
 fn look(world: &World, origin: [f64; 3], direction: [f64; 3]) -> Option<RayHit> {
-    world.cast(ME, &Ray::new(DVec3::from(origin), DVec3::from(direction).normalize_or_zero(), 9.0), Time::ZERO)
+    world.cast(ROBOT, &Ray::new(DVec3::from(origin), DVec3::from(direction).normalize_or_zero(), 9.0), Time::ZERO)
 }
 
 fn normal_of(hit: &RayHit) -> DVec3 {
@@ -70,14 +70,15 @@ fn rays_hit_the_same_bodies_as_brute_force() {
             let origin =
                 corner + DVec3::new(random.between(-1.0, 9.0), random.between(-1.0, 7.0), random.between(0.0, 3.0));
             let direction = random.direction_in_space();
-            let found =
-                world.cast(ME, &Ray::new(origin, direction, 4.0), Time::ZERO).filter(|hit| hit.thing != Thing::Floor);
+            let found = world
+                .cast(ROBOT, &Ray::new(origin, direction, 4.0), Time::ZERO)
+                .filter(|hit| hit.thing != Thing::Floor);
             match nearest_body(&bodies, origin, direction, 4.0, 1e-11) {
                 Some((metres, index)) => match found {
                     Some(RayHit { distance, thing, face: Some(HitSurface { normal, .. }) }) => {
                         // Brute force stops 10 pm in front of the body, measured along the normal.
                         let tolerance = 1e-9 + 2e-11 / normal.dot(direction).abs();
-                        assert!((distance - metres).abs() < tolerance, "{distance} for {metres}");
+                        assert!((distance - metres).abs() < tolerance, "{distance} instead of {metres}");
                         assert!(thing == Thing::Fixed(index as u32) || distance == 0.0, "{scene}: {thing:?}");
                         hits += 1;
                     }
@@ -105,7 +106,7 @@ fn normals_match_the_distance_and_point_against_the_ray() {
         let world = world(Walls::new(Vec::new()), Space { fixed: vec![fixed], ..Space::default() });
         let origin = DVec3::new(random.between(-1.0, 5.0), random.between(-1.0, 5.0), random.between(0.0, 3.0));
         let direction = random.direction_in_space();
-        let Some(hit) = world.cast(ME, &Ray::new(origin, direction, 9.0), Time::ZERO) else { continue };
+        let Some(hit) = world.cast(ROBOT, &Ray::new(origin, direction, 9.0), Time::ZERO) else { continue };
         let normal = normal_of(&hit);
         assert!((normal.length() - 1.0).abs() < 1e-12 && normal.dot(direction) <= 1e-12, "{hit:?}");
         if hit.distance == 0.0 || hit.thing == Thing::Floor {
@@ -159,7 +160,7 @@ fn rays_at_the_edge_of_a_thick_wall_do_not_enter_it() {
         for edge in [DVec3::new(4.8, -1.0 + 2.0 * step, 0.5), DVec3::new(4.8 + 0.4 * step, -1.0, 0.5)] {
             let origin = DVec3::new(4.0 + 0.5 * step, -1.5, 0.7 + step);
             let direction = (edge - origin).normalize_or_zero();
-            let hit = world.cast(ME, &Ray::new(origin, direction, 9.0), Time::ZERO).expect("edge or floor");
+            let hit = world.cast(ROBOT, &Ray::new(origin, direction, 9.0), Time::ZERO).expect("edge or floor");
             let is_at_edge = (hit.distance - (edge - origin).length()).abs() < 1e-12;
             let is_corner = step == 0.0 || step == 1.0;
             assert!(is_at_edge || is_corner && hit.thing == Thing::Floor, "{step}: {hit:?}");
@@ -167,7 +168,7 @@ fn rays_at_the_edge_of_a_thick_wall_do_not_enter_it() {
                 continue;
             }
             let inward = (edge + DVec3::new(1e-9, 1e-9, -1e-9) - origin).normalize_or_zero();
-            let hit = world.cast(ME, &Ray::new(origin, inward, 9.0), Time::ZERO).expect("the edge");
+            let hit = world.cast(ROBOT, &Ray::new(origin, inward, 9.0), Time::ZERO).expect("the edge");
             assert!(matches!(hit.thing, Thing::Wall(_)) && (hit.distance - (edge - origin).length()).abs() < 1e-8);
         }
     }
@@ -214,7 +215,7 @@ fn rays_from_and_along_surfaces_and_into_corners() {
 #[test]
 fn invalid_rays_hit_nothing() {
     let world = two_walls();
-    let cast = |origin, direction, range| world.cast(ME, &Ray::new(origin, direction, range), Time::ZERO);
+    let cast = |origin, direction, range| world.cast(ROBOT, &Ray::new(origin, direction, range), Time::ZERO);
     let origin = DVec3::new(0.0, 0.0, 0.5);
     assert!(cast(origin, DVec3::X, 2.0).is_some(), "the range is closed");
     assert!(cast(origin, DVec3::X, 2.0 - 1e-12).is_none());
@@ -284,7 +285,7 @@ fn rays_around_a_cylinder_have_equal_distances() {
         let (sin_up, cos_up) = math::sin_cos(f64::from(step % 7 - 3) * 0.1 * FRAC_PI_2);
         let outward = DVec3::new(cos * cos_up, sin * cos_up, sin_up);
         let target = DVec3::new(3.0 + 0.25 * cos, 4.0 + 0.25 * sin, 0.5);
-        let hit = world.cast(ME, &Ray::new(target + outward, -outward, 3.0), Time::ZERO).expect("the cylinder");
+        let hit = world.cast(ROBOT, &Ray::new(target + outward, -outward, 3.0), Time::ZERO).expect("the cylinder");
         assert!((hit.distance - 1.0).abs() < 1e-14 && (normal_of(&hit) - DVec3::new(cos, sin, 0.0)).length() < 1e-14);
     }
 }

@@ -63,7 +63,7 @@ impl Scene {
 
     fn command(&mut self, robot: usize, at: Time, command: Command) {
         let touching = self.world.touching(&mut self.motions[robot], at);
-        self.motions[robot].command(at, command, &touching).expect("a sound command");
+        self.motions[robot].command(at, command, &touching).expect("a valid command");
     }
 
     fn twist(&mut self, robot: usize, v: f64, omega: f64) {

@@ -45,7 +45,7 @@ fn first_contact_matches_brute_force() {
                 contacts += 1;
                 // For a grazing disc the gap at the instant of contact is a sharper test than the instant itself.
                 assert!((gap(found) - SKIN).abs() < 1e-12, "gap {} at {found}", gap(found));
-                assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
+                assert!((found - expected).abs() < 1e-5, "{found} instead of {expected}");
             }
             (Some(found), None) => assert!((gap(found) - SKIN).abs() < 1e-12, "no contact at {found}"),
             (None, Some(expected)) => {
@@ -75,7 +75,7 @@ fn arc_meets_the_wall_at_the_closed_form_for_every_turning_speed() {
             }
             let expected = if sine < 1e-4 { sine * (1.0 + sine * sine / 6.0) } else { libm::asin(sine) } / omega.abs();
             let found = found.unwrap_or_else(|| panic!("no contact at omega {omega}"));
-            assert!((found - expected).abs() < 1e-11, "{found} for {expected} at omega {omega}");
+            assert!((found - expected).abs() < 1e-11, "{found} instead of {expected} at omega {omega}");
         }
     }
 }

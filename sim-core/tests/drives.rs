@@ -54,7 +54,7 @@ struct Rig {
 
 impl Rig {
     fn new(model: Model, slot: Time, start: Pose) -> Self {
-        model.check().expect("a sound model");
+        model.check().expect("a valid model");
         let walls = Arc::new(Walls::new(vec![]));
         let mut motion = Motion::new(RobotId(1), Arc::new(model), walls.clone(), start);
         let world = World::new(walls, slot, [&mut motion]);
@@ -75,7 +75,7 @@ impl Rig {
     }
 
     fn command(&mut self, command: Command) {
-        self.motion.command(self.at, command, &[]).expect("a sound command");
+        self.motion.command(self.at, command, &[]).expect("a valid command");
     }
 
     /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if possible; checks that
@@ -114,7 +114,7 @@ fn assert_close(found: Pose, expected: Pose, command: Twist) {
     let angle = found.heading.turned(-expected.heading.remainder()).remainder();
     assert!(
         (found.position - expected.position).length() < MARK && angle.abs() < MARK,
-        "{found:?} for {expected:?} after {command:?}"
+        "{found:?} instead of {expected:?} after {command:?}"
     );
     // A heading of almost exactly half a turn may be counted as the next turn.
     assert!(
@@ -191,7 +191,7 @@ proptest! {
         prop_assert!((odometry.position - DVec2::new(x, y)).length() < MARK, "{odometry:?}");
         let heading = Heading::new(2.0 * math::atan2(y, x));
         let angle = odometry.heading.turned(-heading.remainder()).remainder();
-        prop_assert!(angle.abs() < MARK, "{odometry:?} for {heading:?}");
+        prop_assert!(angle.abs() < MARK, "{odometry:?} instead of {heading:?}");
         prop_assert!((truth.position - start.transform_point(DVec2::new(x, y))).length() < MARK, "{truth:?}");
     }
 
@@ -248,7 +248,7 @@ fn drive_with_lag_and_controllers_ends_at_its_target() {
     let gains = Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 };
     for displacement in [Twist::new(0.5, 0.0), Twist::new(0.0, -2.0), Twist::new(-4.0, 0.0)] {
         let mut rig = Rig::new(Model { wheel_lag: 0.1, ..model() }, Time(50_000), Pose::default());
-        rig.motion.start_control(Time::ZERO, gains).expect("sound gains");
+        rig.motion.start_control(Time::ZERO, gains).expect("valid gains");
         rig.check(displacement, 0.3);
     }
 }
@@ -310,7 +310,7 @@ fn wheel_with_controller_reaches_its_rate_and_wheel_without_follows_its_lag() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     let pid = Pid { p: 4.0, i: 40.0, d: 0.02 };
     let mut rig = Rig::new(lame, Time(50_000), Pose::default());
-    rig.motion.start_wheel_control(Time::ZERO, 0, pid).expect("sound");
+    rig.motion.start_wheel_control(Time::ZERO, 0, pid).expect("valid");
     rig.at = Time(3_000);
     rig.command(Command::WheelSpeed { wheel: 0, rate: 20.0 });
     rig.command(Command::WheelSpeed { wheel: 1, rate: 20.0 });
@@ -327,7 +327,7 @@ fn wheel_with_controller_reaches_its_rate_and_wheel_without_follows_its_lag() {
         }
         last = rate;
         rate += gain * (out.min(60.0) - rate);
-        assert!((found[0] - rate).abs() < 1e-9, "tick {tick}: {} for {rate}", found[0]);
+        assert!((found[0] - rate).abs() < 1e-9, "tick {tick}: {} instead of {rate}", found[0]);
         let open = 20.0 * (1.0 - math::exp(-0.1 * (tick as f64 + 1.0)));
         assert!((found[1] - open).abs() < 1e-9, "tick {tick}: {}", found[1]);
     }
@@ -343,14 +343,14 @@ fn wheel_with_controller_reaches_its_rate_and_wheel_without_follows_its_lag() {
 fn proportional_controller_has_steady_state_error_and_no_windup() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     let mut rig = Rig::new(lame.clone(), Time(50_000), Pose::default());
-    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("sound");
+    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("valid");
     rig.at = Time::ZERO;
     rig.command(Command::WheelSpeed { wheel: 0, rate: 12.0 });
     let rates = wheel_rates(&mut rig.motion, 300);
     assert!((rates[299][0] - 12.0 * 3.0 / 4.0).abs() < 1e-9, "{:?}", rates[299]);
     // Open-loop commands (MOTORDrive) bypass the controller.
     let mut rig = Rig::new(lame, Time(50_000), Pose::default());
-    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("sound");
+    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("valid");
     rig.at = Time::ZERO;
     rig.command(Command::Wheel { wheel: 0, rate: 12.0 });
     let rates = wheel_rates(&mut rig.motion, 20);
@@ -365,7 +365,7 @@ fn proportional_controller_has_steady_state_error_and_no_windup() {
     assert!((rate - 6.0).abs() < 1.0, "{rate} rad/s half a second after the command");
     // With the controller stopped, the wheel follows open-loop commands at once.
     rig.at = Time(6_000_000);
-    rig.motion.stop_wheel_control(rig.at, 0).expect("sound");
+    rig.motion.stop_wheel_control(rig.at, 0).expect("valid");
     rig.command(Command::WheelSpeed { wheel: 0, rate: 0.0 });
     let rates = |motion: &mut Motion, at: Time| (motion.wheel_angles(at + TICK)[0] - motion.wheel_angles(at)[0]) / 0.01;
     let (first, tenth) = (rates(&mut rig.motion, Time(6_000_000)), rates(&mut rig.motion, Time(6_090_000)));
@@ -379,11 +379,11 @@ fn stalled_wheels_are_the_commanded_wheels() {
     let walls = Arc::new(Walls::new(vec![wall]));
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), walls, Pose::default());
     let at = Time(9_000_000);
-    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("valid");
     assert_eq!(motion.stalled_wheels(Time(1)), [false; 4]);
     assert_eq!(motion.stalled_wheels(at), [true, true, false, false]);
-    motion.command(at, Command::Wheels([0.0, 5.0, 0.0, 0.0]), &[]).expect("sound");
+    motion.command(at, Command::Wheels([0.0, 5.0, 0.0, 0.0]), &[]).expect("valid");
     assert_eq!(motion.stalled_wheels(at), [false, true, false, false]);
-    motion.command(at, Command::Halt, &[]).expect("sound");
+    motion.command(at, Command::Halt, &[]).expect("valid");
     assert_eq!(motion.stalled_wheels(at), [false; 4]);
 }

@@ -40,7 +40,7 @@ fn model() -> Model {
 /// Robot 1 at the origin, facing along x.
 fn robot(model: Model, walls: Vec<Segment>, seed: u64, imperfection: Imperfection) -> Motion {
     let motion = Motion::new(RobotId(1), Arc::new(model), Arc::new(Walls::new(walls)), Pose::default());
-    motion.with_imperfection(seed, imperfection).expect("a sound imperfection")
+    motion.with_imperfection(seed, imperfection).expect("a valid imperfection")
 }
 
 fn drive(length: f64, angle: f64, duration: f64) -> Command {
@@ -68,14 +68,14 @@ fn systematic() -> Imperfection {
 }
 
 fn close(found: DVec2, expected: DVec2, metres: f64) {
-    assert!((found - expected).length() < metres, "{found} for {expected}");
+    assert!((found - expected).length() < metres, "{found} instead of {expected}");
 }
 
 #[test]
 fn unequal_wheels_drive_a_circle_of_known_radius() {
     let diameters: Wheels = [0.0, 0.01, 0.0, 0.0];
     let mut motion = robot(model(), vec![], 1, Imperfection { diameters, ..Imperfection::default() });
-    motion.command(Time(3), drive(20.0, 0.0, 100.0), &[]).expect("sound");
+    motion.command(Time(3), drive(20.0, 0.0, 100.0), &[]).expect("valid");
     let radius = 0.1 * (2.0 + 0.01) / (2.0 * 0.01);
     for second in [1, 17, 99] {
         let at = Time(3) + Time::from_millis(1_000 * second);
@@ -95,15 +95,15 @@ fn unequal_wheels_drive_a_circle_of_known_radius() {
 #[test]
 fn slip_reduces_distance_and_angle() {
     let mut motion = robot(model(), vec![], 1, Imperfection { slip: 0.04, ..Imperfection::default() });
-    motion.command(Time::ZERO, drive(0.5, 0.0, 1.0), &[]).expect("sound");
-    motion.command(Time::from_millis(1_000), drive(0.0, PI, 1.0), &[]).expect("sound");
+    motion.command(Time::ZERO, drive(0.5, 0.0, 1.0), &[]).expect("valid");
+    motion.command(Time::from_millis(1_000), drive(0.0, PI, 1.0), &[]).expect("valid");
     let end = Time::from_millis(2_000);
     assert!(motion.is_drive_done(end));
     close(motion.pose(end).position, DVec2::new(0.48, 0.0), 1e-15);
     assert!((motion.pose(end).heading.radians() - 0.96 * PI).abs() < 1e-14);
     assert_eq!(motion.odometry(end).heading.radians(), PI);
     let mut spinning = robot(model(), vec![], 1, Imperfection { slip: 1.0, ..Imperfection::default() });
-    spinning.command(Time::ZERO, Command::Wheels([9.0, 9.0, 0.0, 0.0]), &[]).expect("sound");
+    spinning.command(Time::ZERO, Command::Wheels([9.0, 9.0, 0.0, 0.0]), &[]).expect("valid");
     assert_eq!(spinning.pose(end).position, DVec2::ZERO);
     assert_eq!(spinning.wheel_angles(end)[0], 18.0);
 }
@@ -111,7 +111,7 @@ fn slip_reduces_distance_and_angle() {
 #[test]
 fn drive_with_full_slip_ends_at_its_start() {
     let mut motion = robot(model(), vec![], 1, Imperfection { slip: 1.0, ..Imperfection::default() });
-    motion.command(Time(7), drive(0.5, 1.0, 1.0), &[]).expect("sound");
+    motion.command(Time(7), drive(0.5, 1.0, 1.0), &[]).expect("valid");
     let end = motion.drive_end().expect("an end");
     assert_eq!(end, Time(1_000_007));
     assert_eq!(motion.pose(end), Pose::default());
@@ -125,7 +125,7 @@ fn very_unequal_wheels_drive_the_circle_of_the_formula() {
     for [left, right] in [[1.0, -0.5], [-0.5, 0.0], [0.5, -0.5], [-0.9, 1.0]] {
         let diameters: Wheels = [left, right, 0.0, 0.0];
         let mut motion = robot(model(), vec![], 1, Imperfection { diameters, ..Imperfection::default() });
-        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("valid");
         let radius = 0.1 * (2.0 + left + right) / (2.0 * (right - left));
         for second in [1, 17, 600] {
             let at = Time::from_millis(1_000 * second);
@@ -154,7 +154,7 @@ fn maximum_noise_does_not_move_robots_through_walls() {
             // The robot drives back and forth, so that no wall holds it for long.
             if n % 60 == 0 {
                 let speed = if n % 120 == 0 { 0.2 } else { -0.2 };
-                motion.command(instant, Command::Twist(Twist::new(speed, 0.3)), &[]).expect("sound");
+                motion.command(instant, Command::Twist(Twist::new(speed, 0.3)), &[]).expect("valid");
             }
             let pose = motion.pose(instant);
             assert!(pose.position.abs().max_element() < 0.5 - 0.08, "{kind:?} at {instant}: {pose:?}");
@@ -169,7 +169,7 @@ fn default_imperfection_is_bit_identical_to_none() {
     let perfect = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let mut motions = [perfect, robot(model(), vec![], 9, Imperfection::default())];
     let states = motions.each_mut().map(|motion| {
-        motion.command(Time(5), drive(1.0, 2.0, 3.0), &[]).expect("sound");
+        motion.command(Time(5), drive(1.0, 2.0, 3.0), &[]).expect("valid");
         (motion.drive_end(), motion.state(Time(1_234_567)), motion.state(Time(4_000_000)))
     });
     assert_eq!(states[0], states[1]);
@@ -204,7 +204,7 @@ fn check_normal(what: &str, values: &[f64], mean: f64, variance: f64) {
     let (count, deviation) = (values.len() as f64, variance.sqrt());
     let (found_mean, found_variance) = moments(values);
     let mean_error = 5.0 * deviation / count.sqrt();
-    assert!((found_mean - mean).abs() < mean_error, "{what}: mean {found_mean} for {mean} +- {mean_error}");
+    assert!((found_mean - mean).abs() < mean_error, "{what}: mean {found_mean} instead of {mean} +- {mean_error}");
     let ratio = found_variance / variance;
     assert!((ratio - 1.0).abs() < 5.0 * (2.0 / count).sqrt(), "{what}: variance {ratio} of {variance}");
     let within = values.iter().filter(|value| (*value - mean).abs() < deviation).count() as f64 / count;
@@ -218,7 +218,7 @@ fn ends(imperfection: Imperfection, ticks: i64) -> Vec<(Pose, Pose)> {
     (0..4_000)
         .map(|seed| {
             let mut motion = robot(model(), vec![], seed, imperfection);
-            motion.command(Time::ZERO, drive(0.2 * seconds, 0.0, seconds), &[]).expect("sound");
+            motion.command(Time::ZERO, drive(0.2 * seconds, 0.0, seconds), &[]).expect("valid");
             (motion.pose(end), motion.odometry(end))
         })
         .collect()
@@ -288,13 +288,13 @@ fn slip_command_and_odometry_noise_are_independent() {
 #[test]
 fn robot_commanded_to_rest_has_no_noise() {
     let mut motion = robot(model(), vec![], 1, all());
-    motion.command(Time(7), Command::Twist(Twist::new(0.2, 0.3)), &[]).expect("sound");
+    motion.command(Time(7), Command::Twist(Twist::new(0.2, 0.3)), &[]).expect("valid");
     let stop = Time(123_457);
-    motion.command(stop, Command::Twist(Twist::ZERO), &[]).expect("sound");
+    motion.command(stop, Command::Twist(Twist::ZERO), &[]).expect("valid");
     let (pose, state) = (motion.pose(stop), motion.state(stop));
     assert_eq!((motion.pose(Time(9_000_000)), motion.state(Time(9_000_000))), (pose, state));
     assert!(!motion.is_moving(stop));
-    motion.place(Time(9_000_001), Pose::new(1.0, 2.0, 3.0)).expect("sound");
+    motion.place(Time(9_000_001), Pose::new(1.0, 2.0, 3.0)).expect("valid");
     assert_eq!(motion.pose(Time(9_500_000)), Pose::new(1.0, 2.0, 3.0));
     assert_eq!(motion.state(Time(9_500_000)).odometry, state.odometry);
 }
@@ -303,7 +303,7 @@ fn robot_commanded_to_rest_has_no_noise() {
 fn odometry_readings_are_quantised() {
     let resolution = Resolution { length: 0.01, angle: 0.1 };
     let mut motion = robot(model(), vec![], 1, Imperfection { resolution, ..Imperfection::default() });
-    motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.4)), &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.4)), &[]).expect("valid");
     for instant in 0..200 {
         let at = Time(instant * 31_337);
         let (read, exact) = (motion.odometry(at), motion.state(at).odometry);
@@ -337,9 +337,9 @@ fn script(slot: Time, query_interval: Option<i64>, imperfection: Imperfection) -
     // One robot at a time: contacts between robots depend on the slot.
     for (index, model) in [model(), lame, omni, car].into_iter().enumerate() {
         let motion = Motion::new(RobotId(1), Arc::new(model), walls.clone(), Pose::new(0.1, -0.05, 0.3));
-        let mut motion = motion.with_imperfection(index as u64, imperfection).expect("sound");
+        let mut motion = motion.with_imperfection(index as u64, imperfection).expect("valid");
         if index == 1 {
-            motion.start_control(Time::ZERO, Gains { vv: 2.0, tv: 0.3, vw: 2.0, tw: 0.1 }).expect("sound");
+            motion.start_control(Time::ZERO, Gains { vv: 2.0, tv: 0.3, vw: 2.0, tw: 0.1 }).expect("valid");
         }
         let mut world = World::new(walls.clone(), slot, [&mut motion]);
         for n in 0..60_i64 {
@@ -392,7 +392,7 @@ fn errors_neither_move_robots_into_walls_nor_lock_them_there() {
             let mut at = Time::from_millis(5);
             for round in 0..20 {
                 // The robot drives into a wall and stalls permanently.
-                motion.command(at, drive(3.0, 0.0, 0.0), &[]).expect("sound");
+                motion.command(at, drive(3.0, 0.0, 0.0), &[]).expect("valid");
                 assert_eq!(motion.drive_end(), None, "round {round} of seed {seed}");
                 at += Time::from_millis(6_000);
                 assert!(motion.is_stalled(at), "round {round} of seed {seed}");
@@ -401,7 +401,7 @@ fn errors_neither_move_robots_into_walls_nor_lock_them_there() {
                 assert!(!motion.is_moving(at));
                 // In this position the robot can turn on the spot in either direction: the errors do not lock it.
                 let angle = if round % 2 == 0 { 2.3 } else { -2.1 };
-                motion.command(at, drive(0.0, angle, 1.0), &[]).expect("sound");
+                motion.command(at, drive(0.0, angle, 1.0), &[]).expect("valid");
                 let end = motion.drive_end().unwrap_or_else(|| panic!("no end of turn {round} of seed {seed}"));
                 for part in 0..=40 {
                     let instant = Time(at.0 + (end - at).0 * part / 40);
@@ -423,12 +423,12 @@ fn robot_with_errors_can_turn_away_from_another() {
         let mut motions = [0.0, 0.3].map(|x| {
             let id = RobotId(if x == 0.0 { 1 } else { 2 });
             let motion = Motion::new(id, Arc::new(model()), walls.clone(), Pose::new(x, 0.0, 0.0));
-            motion.with_imperfection(seed, imperfection).expect("sound")
+            motion.with_imperfection(seed, imperfection).expect("valid")
         });
         let mut world = World::new(walls, Time::from_millis(50), &mut motions);
         let command = |world: &World, motion: &mut Motion, command: Command| {
             let touching = world.touching(motion, world.slot_start());
-            motion.command(world.slot_start(), command, &touching).expect("sound");
+            motion.command(world.slot_start(), command, &touching).expect("valid");
         };
         command(&world, &mut motions[0], drive(1.0, 0.0, 0.0));
         for slot in 0..100 {
@@ -448,7 +448,7 @@ fn robot_with_errors_can_turn_away_from_another() {
 fn drive_end_of_a_long_noisy_drive_is_found_in_parts() {
     let mut motion = robot(model(), vec![], 1, Imperfection { command: NOISE, ..Imperfection::default() });
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
-    motion.command(Time::ZERO, drive(15.0, 0.0, 1_500.0), &[]).expect("sound");
+    motion.command(Time::ZERO, drive(15.0, 0.0, 1_500.0), &[]).expect("valid");
     let first = motion.drive_end().expect("an instant to ask again");
     assert!(first > Time::from_millis(999_000) && !motion.is_drive_done(first), "{first}");
     while world.slot_end() <= first {
@@ -478,7 +478,7 @@ fn robot_with_errors_pushes_a_light_crate_and_stalls_at_a_heavy_one() {
             let mut motion = robot(model(), vec![], 5, all());
             let world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(slot), [&mut motion]);
             let mut world = world.with_objects([(crate_.clone(), Pose::new(0.3, 0.0, 0.0))]);
-            motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("sound");
+            motion.command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.0)), &[]).expect("valid");
             while world.slot_start() < Time::from_millis(2_000) {
                 world.advance(&mut [&mut motion]);
             }
@@ -510,12 +510,12 @@ fn robot_with_errors_pushes_a_light_crate_and_stalls_at_a_heavy_one() {
 fn errors_set_at_the_start_equal_initial_errors() {
     for imperfection in [all(), systematic(), Imperfection::default()] {
         let ends = |mut motion: Motion| {
-            motion.command(Time(3), drive(0.3, 0.2, 1.5), &[]).expect("sound");
-            motion.command(Time::from_millis(900), Command::Twist(Twist::new(0.3, 1.0)), &[]).expect("sound");
+            motion.command(Time(3), drive(0.3, 0.2, 1.5), &[]).expect("valid");
+            motion.command(Time::from_millis(900), Command::Twist(Twist::new(0.3, 1.0)), &[]).expect("valid");
             [Time::from_millis(500), Time::from_millis(2_000)].map(|at| (motion.state(at), motion.odometry(at)))
         };
         let mut set = robot(model(), room(4.0), 5, systematic());
-        set.set_imperfection(Time::ZERO, 11, imperfection).expect("sound");
+        set.set_imperfection(Time::ZERO, 11, imperfection).expect("valid");
         assert_eq!(ends(robot(model(), room(4.0), 11, imperfection)), ends(set));
     }
 }
@@ -525,11 +525,11 @@ fn changed_errors_affect_only_later_motion() {
     let [before, change, end] = [480, 500, 1_500].map(Time::from_millis);
     let driving = |imperfection| {
         let mut motion = robot(model(), vec![], 3, imperfection);
-        motion.command(Time::ZERO, Command::Twist(Twist::new(0.25, 0.0)), &[]).expect("sound");
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.25, 0.0)), &[]).expect("valid");
         motion
     };
     let (mut perfect, mut slipping) = (driving(Imperfection::default()), driving(Imperfection::default()));
-    slipping.set_imperfection(change, 3, Imperfection { slip: 0.1, ..Imperfection::default() }).expect("sound");
+    slipping.set_imperfection(change, 3, Imperfection { slip: 0.1, ..Imperfection::default() }).expect("valid");
     assert!(slipping.is_active());
     assert_eq!([before, change].map(|at| perfect.state(at)), [before, change].map(|at| slipping.state(at)));
     // 0.125 m, then 0.9 times 0.25 m; odometry does not measure the slip.
@@ -538,7 +538,7 @@ fn changed_errors_affect_only_later_motion() {
 
     // The effect of earlier errors remains after they end; the closed form continues from that pose.
     let (mut noisy, mut mended) = (driving(all()), driving(all()));
-    mended.set_imperfection(change, 3, Imperfection::default()).expect("sound");
+    mended.set_imperfection(change, 3, Imperfection::default()).expect("valid");
     assert_eq!([before, change].map(|at| noisy.state(at)), [before, change].map(|at| mended.state(at)));
     let expected = mended.pose(change).moved(Twist::new(0.25, 0.0));
     close(mended.pose(end).position, expected.position, 1e-12);
@@ -553,10 +553,10 @@ fn changed_errors_affect_only_later_motion() {
 #[test]
 fn drive_ends_at_its_target_if_errors_change() {
     let mut motion = robot(model(), vec![], 3, Imperfection::default());
-    motion.command(Time::ZERO, drive(0.5, 0.0, 2.0), &[]).expect("sound");
+    motion.command(Time::ZERO, drive(0.5, 0.0, 2.0), &[]).expect("valid");
     for (number, at) in (1..20).map(|number| (number, Time::from_millis(100 * number))) {
         let imperfection = if number % 2 == 0 { systematic() } else { all() };
-        motion.set_imperfection(at, 3, imperfection).expect("sound");
+        motion.set_imperfection(at, 3, imperfection).expect("valid");
     }
     // Wheel odometry decides when a drive ends.
     assert_eq!(motion.drive_end(), Some(Time::from_millis(2_000)));

@@ -38,7 +38,7 @@ impl Scene {
             .zip(poses)
             .map(|(index, pose)| {
                 let motion = Motion::new(RobotId::from_index(index), Arc::clone(&model), Arc::clone(&walls), *pose);
-                motion.with_imperfection(7, imperfection).expect("sound errors")
+                motion.with_imperfection(7, imperfection).expect("valid errors")
             })
             .collect();
         Self { world: World::new(walls, slot, &mut motions), motions }
@@ -140,7 +140,7 @@ fn single_robot_is_bit_identical_to_a_robot_with_a_distant_neighbour() {
 fn removed_single_robot_is_dropped_once() {
     let slot = Time(50_000);
     let mut scene = Scene::new(DriveVariant::Erring, slot, &[Pose::default()]);
-    scene.motions[0].command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.5)), &[]).expect("a sound command");
+    scene.motions[0].command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.5)), &[]).expect("a valid command");
     for _ in 0..3 {
         scene.world.advance(&mut [&mut scene.motions[0]]);
     }

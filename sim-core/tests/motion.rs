@@ -34,7 +34,7 @@ fn model() -> Model {
 }
 
 fn robot(model: Model, walls: Vec<Segment>, pose: Pose) -> Motion {
-    model.check().expect("a sound model");
+    model.check().expect("a valid model");
     Motion::new(RobotId(1), Arc::new(model), Arc::new(Walls::new(walls)), pose)
 }
 
@@ -54,7 +54,7 @@ fn square_drive_returns_to_its_start() {
     let mut at = Time(17);
     for _ in 0..4 {
         for command in [drive(0.2, 0.0, 2.0), drive(0.0, PI / 2.0, 1.0)] {
-            motion.command(at, command, &[]).expect("a sound command");
+            motion.command(at, command, &[]).expect("a valid command");
             at = motion.drive_end().expect("an end");
             assert!(motion.is_drive_done(at) && !motion.is_drive_done(at - Time(1)));
         }
@@ -71,7 +71,7 @@ fn square_drive_returns_to_its_start() {
 fn drive_ends_exactly_at_the_commanded_length() {
     let mut motion = robot(model(), vec![], Pose::default());
     let displacement = Twist::new(0.1 + 0.2, 0.7);
-    motion.command(Time(5), Command::Drive { displacement, duration: 1.0 / 3.0 }, &[]).expect("a sound command");
+    motion.command(Time(5), Command::Drive { displacement, duration: 1.0 / 3.0 }, &[]).expect("a valid command");
     let end = motion.drive_end().expect("an end");
     assert_eq!(motion.pose(end), Pose::default().moved(displacement));
     assert_eq!(motion.odometry(end), Pose::default().moved(displacement));
@@ -83,7 +83,7 @@ fn drive_ends_exactly_at_the_commanded_length() {
 #[test]
 fn robot_stops_one_skin_before_the_wall_and_stalls() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
-    motion.command(Time::ZERO, drive(0.5, 0.0, 10.0), &[]).expect("a sound command");
+    motion.command(Time::ZERO, drive(0.5, 0.0, 10.0), &[]).expect("a valid command");
     assert_eq!(motion.drive_end(), None);
     let at = Time::from_millis(9_000);
     assert!((motion.pose(at).position.x - (2.0 - 0.093 - SKIN)).abs() < 1e-12);
@@ -94,15 +94,15 @@ fn robot_stops_one_skin_before_the_wall_and_stalls() {
     assert!(matches!(impact.thing, Thing::Wall(_)) && impact.bearing.abs() < 1e-9);
     assert!((impact.time.seconds() - 0.907 / 0.5).abs() < 1e-5);
     // Towards the wall again, along the wall, and away from it.
-    motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a sound command");
+    motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a valid command");
     assert!(motion.is_stalled(at));
     assert_eq!(motion.contacts(at), 1);
-    motion.command(at + Time(1), drive(0.0, PI / 2.0, 1.0), &[]).expect("a sound command");
+    motion.command(at + Time(1), drive(0.0, PI / 2.0, 1.0), &[]).expect("a valid command");
     let turned = motion.drive_end().expect("a disc turns in contact");
-    motion.command(turned, drive(0.5, 0.0, 1.0), &[]).expect("a sound command");
+    motion.command(turned, drive(0.5, 0.0, 1.0), &[]).expect("a valid command");
     let along = motion.drive_end().expect("a disc drives along a wall");
     assert!((motion.pose(along).position.y - 1.5).abs() < 1e-9);
-    motion.command(along, drive(0.5, PI / 2.0, 0.5), &[]).expect("a sound command");
+    motion.command(along, drive(0.5, PI / 2.0, 0.5), &[]).expect("a valid command");
     assert!(motion.drive_end().is_some());
     assert_eq!(motion.contacts(Time::from_millis(20_000)), 1);
 }
@@ -110,7 +110,7 @@ fn robot_stops_one_skin_before_the_wall_and_stalls() {
 #[test]
 fn rejected_commands_change_nothing() {
     let mut motion = robot(model(), vec![], Pose::default());
-    motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a sound command");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a valid command");
     let revision = motion.revision();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let commands = [
@@ -153,7 +153,7 @@ fn script(slot: Time) -> Vec<Pose> {
             let (at, command) = commands[next];
             for motion in &mut motions {
                 let touching = world.touching(motion, at);
-                motion.command(at, command, &touching).expect("a sound command");
+                motion.command(at, command, &touching).expect("a valid command");
                 poses.extend([motion.pose(at), motion.odometry(at)]);
             }
             next += 1;
@@ -190,14 +190,14 @@ fn zero_tiny_and_backward_drives_end() {
     for length in [0.0, 5e-324, 1e-300, 1e-6, -1e-6, -0.3, 1e-9] {
         let mut motion = robot(model(), vec![], Pose::default());
         let displacement = Twist::new(length, 0.0);
-        motion.command(Time(3), Command::Drive { displacement, duration: length.abs() / 0.2 }, &[]).expect("sound");
+        motion.command(Time(3), Command::Drive { displacement, duration: length.abs() / 0.2 }, &[]).expect("valid");
         let end = motion.drive_end().expect("an end");
         assert!(end.seconds() <= 3e-6 + length.abs() / 0.2 + 1e-6, "{length} m end at {end:?}");
         assert_eq!(motion.pose(end).position, DVec2::new(length, 0.0));
         assert!(motion.is_drive_done(end));
         let mut motion = robot(model(), vec![], Pose::default());
         let displacement = Twist::new(0.0, length);
-        motion.command(Time(3), Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+        motion.command(Time(3), Command::Drive { displacement, duration: 0.0 }, &[]).expect("valid");
         let end = motion.drive_end().expect("an end");
         assert_eq!(motion.pose(end).heading.radians(), length);
     }
@@ -207,7 +207,7 @@ fn zero_tiny_and_backward_drives_end() {
 fn limits_lengthen_the_duration_of_drives() {
     let mut motion = robot(model(), vec![], Pose::default());
     let displacement = Twist::new(0.6, 0.3);
-    motion.command(Time::ZERO, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 0.0 }, &[]).expect("valid");
     assert_eq!(motion.drive_end(), Some(Time::from_millis(1_000)));
     let speed = motion.speed(Time::from_millis(500));
     assert!(
@@ -222,7 +222,7 @@ fn motion_follows_the_arc_at_every_turning_speed() {
         let omega = 10.0_f64.powi(exponent);
         let fast = Model { max_turn: f64::INFINITY, max_wheel_rate: 1e9, ..model() };
         let mut motion = robot(fast, vec![], Pose::default());
-        motion.command(Time::ZERO, Command::Twist(Twist::new(0.5, omega)), &[]).expect("sound");
+        motion.command(Time::ZERO, Command::Twist(Twist::new(0.5, omega)), &[]).expect("valid");
         let pose = motion.pose(Time::from_millis(2_000));
         let angle = 2.0 * omega;
         assert!((pose.heading.radians() - angle).abs() <= 1e-15 * angle.max(1.0), "heading at {omega} rad/s");
@@ -245,7 +245,7 @@ fn million_turns_return_to_the_start() {
     // The robot turns by quarter turns, like a program that drives around a square forever.
     for _ in 0..4_000_000 {
         let displacement = Twist::new(0.0, PI / 2.0);
-        motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
+        motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("valid");
         at = motion.drive_end().expect("an end");
         if at >= world.slot_end() {
             world.advance(&mut [&mut motion]);
@@ -264,7 +264,7 @@ fn square_drive_closes_ten_kilometres_from_the_origin() {
     let mut at = Time::ZERO;
     for _ in 0..100 {
         for command in [drive(0.2, 0.0, 1.0), drive(0.0, PI / 2.0, 1.0)] {
-            motion.command(at, command, &[]).expect("sound");
+            motion.command(at, command, &[]).expect("valid");
             at = motion.drive_end().expect("an end");
         }
     }
@@ -285,13 +285,13 @@ fn ackermann_drive_rejects_impossible_curves() {
     let wide = Command::Drive { displacement: Twist::new(0.16, 1.0), duration: 1.0 };
     motion.command(Time::ZERO, wide, &[]).expect("the tightest curve");
     // A twist whose curve is too tight is driven at the maximum steering angle.
-    motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("sound");
+    motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("valid");
     assert_eq!(motion.steering(Time(1)), PI / 4.0);
     assert!((motion.speed(Time(1)).omega - 0.1 / 0.16).abs() < 1e-12);
     // Motor and servo: the steering angle does not change when the motor stops.
-    motion.command(Time(2), Command::Halt, &[]).expect("sound");
-    motion.command(Time(3), Command::Steer(-0.3), &[]).expect("sound");
-    motion.command(Time(4), Command::Wheels([2.0, 9.0, 9.0, 9.0]), &[]).expect("sound");
+    motion.command(Time(2), Command::Halt, &[]).expect("valid");
+    motion.command(Time(3), Command::Steer(-0.3), &[]).expect("valid");
+    motion.command(Time(4), Command::Wheels([2.0, 9.0, 9.0, 9.0]), &[]).expect("valid");
     let speed = motion.speed(Time(4));
     assert!((speed.vx - 0.054).abs() < 1e-15);
     assert!((speed.omega + 0.054 * libm::tan(0.3) / 0.16).abs() < 1e-15);
@@ -303,7 +303,7 @@ fn omni_drive_moves_sideways() {
     let omni = Model { kind: DriveKind::Omni, ..model() };
     let mut motion = robot(omni, vec![], Pose::new(0.0, 0.0, PI / 2.0));
     let displacement = Twist { vx: 0.0, vy: 0.3, omega: 0.0 };
-    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("valid");
     let end = motion.drive_end().expect("an end");
     assert!((motion.pose(end).position - DVec2::new(-0.3, 0.0)).length() < 1e-15);
     let wheels = motion.wheel_angles(end);
@@ -313,13 +313,13 @@ fn omni_drive_moves_sideways() {
 #[test]
 fn wheels_turn_with_the_path_and_stop_at_a_wall() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
-    motion.command(Time::ZERO, Command::Wheels([10.0, 10.0, 0.0, 0.0]), &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Wheels([10.0, 10.0, 0.0, 0.0]), &[]).expect("valid");
     let at = Time::from_millis(60_000);
     let distance = motion.pose(at).position.x - 1.0;
     assert!((motion.wheel_angles(at)[0] - distance / 0.027).abs() < 1e-12);
     assert!((motion.odometry(at).position.x - distance).abs() < 1e-15);
     assert_eq!(motion.path_length(at), distance);
-    motion.set_odometry(at, Pose::new(5.0, 6.0, 0.5)).expect("sound");
+    motion.set_odometry(at, Pose::new(5.0, 6.0, 0.5)).expect("valid");
     assert_eq!(motion.odometry(at), Pose::new(5.0, 6.0, 0.5));
     assert!(motion.is_stalled(at) && motion.contacts(at) == 1, "setting the odometry moves nothing");
 }
@@ -327,20 +327,20 @@ fn wheels_turn_with_the_path_and_stop_at_a_wall() {
 #[test]
 fn robot_can_back_out_of_a_corner() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.5, 1.5, PI / 4.0));
-    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("valid");
     let mut at = Time::from_millis(5_000);
     assert!(motion.is_stalled(at));
     for _ in 0..8 {
-        motion.command(at, drive(0.0, 0.6, 1.0), &[]).expect("sound");
+        motion.command(at, drive(0.0, 0.6, 1.0), &[]).expect("valid");
         at = motion.drive_end().expect("a disc turns in a corner");
     }
     for heading in 0..24 {
         let angle = f64::from(heading) * PI / 12.0;
         let mut motion = motion.clone();
         let turn = angle - motion.pose(at).heading.remainder();
-        motion.command(at, Command::Drive { displacement: Twist::new(0.0, turn), duration: 1.0 }, &[]).expect("sound");
+        motion.command(at, Command::Drive { displacement: Twist::new(0.0, turn), duration: 1.0 }, &[]).expect("valid");
         let turned = motion.drive_end().expect("an end");
-        motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
+        motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("valid");
         let end = motion.pose(turned + Time::from_millis(100)).position;
         // The robot can leave the corner with headings between the directions straight away from each of the two walls.
         let leaves = (12..=18).contains(&heading);
@@ -359,10 +359,10 @@ fn robot_passes_a_gap_one_millimetre_wider_than_itself() {
         Segment::new(at(1.0, -width / 2.0), at(1.0, -1.0)),
     ];
     let mut through = robot(model(), walls.clone(), Pose::default());
-    through.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("sound");
+    through.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("valid");
     assert!(through.drive_end().is_some());
     let mut beside = robot(model(), walls, Pose::new(0.0, 0.6e-3, 0.0));
-    beside.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("sound");
+    beside.command(Time::ZERO, drive(0.5, 0.0, 8.0), &[]).expect("valid");
     assert_eq!(beside.drive_end(), None);
 }
 
@@ -371,7 +371,7 @@ fn drive_with_wheel_lag_ends_at_its_target() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     for (command, length, angle) in [(drive(0.2, 0.0, 2.0), 0.4, 0.0), (drive(0.2, 0.5, 2.0), 0.4, 1.0)] {
         let mut motion = robot(lame.clone(), vec![], Pose::default());
-        motion.command(Time(2_345), command, &[]).expect("sound");
+        motion.command(Time(2_345), command, &[]).expect("valid");
         let end = motion.drive_end().expect("an end");
         assert!(end > Time::from_millis(2_090) && end < Time::from_millis(2_130), "the lag is made up later: {end:?}");
         assert!(!motion.is_drive_done(end - Time(1)) && motion.is_drive_done(end));
@@ -392,7 +392,7 @@ fn queries_about_the_future_change_nothing() {
             let at = Time(n * 70_003);
             let command = Command::Twist(Twist::new(0.3 - 0.02 * (n % 17) as f64, (n % 5) as f64 - 1.7));
             for motion in [&mut curious, &mut patient] {
-                motion.command(at, command, &[]).expect("sound");
+                motion.command(at, command, &[]).expect("valid");
             }
             curious.drive_end();
             curious.pose(at + Time::from_millis(5_000));

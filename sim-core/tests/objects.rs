@@ -59,7 +59,7 @@ fn stopping_distances_match_constant_deceleration() {
             let path_length = position(&bodies, 1).length();
             assert!(
                 (path_length - distance).abs() < 1e-12,
-                "{resistance:?} {speed} m/s: {path_length} for {distance}, within a picometre"
+                "{resistance:?} {speed} m/s: {path_length} instead of {distance}, within a picometre"
             );
             assert!(bodies.state(id(1)).is_resting() && bodies.is_asleep(id(1)), "it rests and sleeps");
         }
@@ -75,7 +75,7 @@ fn spinning_disc_is_stopped_by_uniform_friction_torque() {
     // Torque 2/3 mu m g r on the inertia m r^2 / 2: 4/3 mu g / r.
     let angle = 10.0 * 10.0 / (2.0 * 4.0 / 3.0 * 0.5 * GRAVITY / 0.1);
     let turned = bodies.state(id(1)).world_from_object.heading.radians();
-    assert!((turned / angle - 1.0).abs() < 1e-4, "{turned} for {angle}");
+    assert!((turned / angle - 1.0).abs() < 1e-4, "{turned} instead of {angle}");
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl Scene {
 
     fn command(&mut self, robot: usize, at: Time, command: Command) {
         let touching = self.world.touching(&mut self.motions[robot], at);
-        self.motions[robot].command(at, command, &touching).expect("a sound command");
+        self.motions[robot].command(at, command, &touching).expect("a valid command");
     }
 
     fn drive(&mut self, robot: usize, at: Time, v: f64, omega: f64) {
@@ -126,12 +126,12 @@ fn placement_changes_only_the_true_pose() {
         let lame = Model { wheel_lag, ..model() };
         let mut scene = Scene::with(lame, SLOT, &[Pose::new(1.0, 1.0, 0.5)]);
         let gains = Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 };
-        scene.motions[0].start_control(Time::ZERO, gains).expect("sound gains");
+        scene.motions[0].start_control(Time::ZERO, gains).expect("valid gains");
         scene.command(0, Time(7), Command::Drive { displacement: Twist::new(0.8, 1.0), duration: 2.0 });
         let at = Time(712_345);
         let before = scene.motions[0].state(at);
         let target = Pose::new(3.0, 0.7, -2.0);
-        scene.motions[0].place(at, target).expect("a sound place");
+        scene.motions[0].place(at, target).expect("a valid place");
         let motion = &mut scene.motions[0];
         let after = motion.state(at);
         let pose = motion.pose(at);
@@ -154,9 +154,9 @@ fn placement_changes_only_the_true_pose() {
 fn placement_sets_the_whole_turns() {
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let displacement = Twist::new(0.0, 9.0 * PI);
-    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("valid");
     let at = motion.drive_end().expect("an end");
-    motion.place(at, Pose::new(1.0, 0.0, PI / 2.0)).expect("a sound place");
+    motion.place(at, Pose::new(1.0, 0.0, PI / 2.0)).expect("a valid place");
     let heading = motion.pose(at).heading;
     assert_eq!((heading.turns(), heading.remainder()), (0, PI / 2.0));
     assert!((motion.odometry(at).heading.radians() - 9.0 * PI).abs() < 1e-14);
@@ -179,7 +179,7 @@ fn invalid_placements_are_rejected() {
 fn other_robots_see_a_placement_from_the_next_slot_on() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0, 3.0, 0.0)]);
     let at = Time(20_000);
-    scene.motions[0].place(at, Pose::new(3.0, 1.0, 1.0)).expect("sound");
+    scene.motions[0].place(at, Pose::new(3.0, 1.0, 1.0)).expect("valid");
     // Halfway between the two positions.
     let (middle, old, new) = (DVec2::new(2.0, 0.5), DVec2::new(1.0, 0.5), DVec2::new(3.0, 0.5));
     let first = Thing::Robot(RobotId(1));
@@ -212,14 +212,14 @@ fn placement_touches_nothing_between_the_two_poses() {
     let mut scene = Scene::new(&[Pose::new(0.5, 1.0, 0.0), Pose::new(2.0, 0.98, PI / 2.0)]);
     scene.drive(0, Time::ZERO, 0.2, 0.0);
     scene.drive(1, Time::ZERO, 0.5, 0.0);
-    scene.motions[0].place(Time(31_000), Pose::new(3.5, 1.0, PI)).expect("sound");
+    scene.motions[0].place(Time(31_000), Pose::new(3.5, 1.0, PI)).expect("valid");
     scene.advance();
     assert_eq!(scene.contacts, []);
     assert!((scene.position(0) - DVec2::new(3.5, 1.0)).length() < 1e-15);
     // Robot 1 is placed outside the room and then back in it, through walls.
-    scene.motions[0].place(Time(60_000), Pose::new(-7.0, 1.0, PI)).expect("sound");
+    scene.motions[0].place(Time(60_000), Pose::new(-7.0, 1.0, PI)).expect("valid");
     scene.advance();
-    scene.motions[0].place(Time(110_000), Pose::new(0.5, 3.0, PI)).expect("sound");
+    scene.motions[0].place(Time(110_000), Pose::new(0.5, 3.0, PI)).expect("valid");
     scene.drive(0, Time(110_000), 0.1, 0.0);
     scene.advance();
     assert_eq!(scene.contacts, []);
@@ -231,7 +231,7 @@ fn robot_placed_in_front_of_another_is_touched() {
     let mut scene = Scene::new(&[Pose::new(0.5, 1.0, 0.0), Pose::new(2.0, 3.0, 0.0)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
     // Robot 2 is placed 5 mm in front of robot 1.
-    scene.motions[1].place(Time(20_000), Pose::new(0.5 + 0.01 + 0.005 + 2.0 * RADIUS, 1.0, 0.0)).expect("sound");
+    scene.motions[1].place(Time(20_000), Pose::new(0.5 + 0.01 + 0.005 + 2.0 * RADIUS, 1.0, 0.0)).expect("valid");
     scene.advance();
     let contact = scene.contacts[0];
     assert_eq!((scene.contacts.len(), contact.robot, contact.with), (1, RobotId(1), Thing::Robot(RobotId(2))));
@@ -239,7 +239,7 @@ fn robot_placed_in_front_of_another_is_touched() {
     assert!((scene.position(0).x - (0.515 - SKIN)).abs() < 1e-8);
     // When the blocking robot is placed elsewhere at the end of the slot, the path is free at once.
     let end = scene.world.slot_end();
-    scene.motions[1].place(end, Pose::new(2.0, 3.0, 0.0)).expect("sound");
+    scene.motions[1].place(end, Pose::new(2.0, 3.0, 0.0)).expect("valid");
     scene.advance();
     assert!(!scene.motions[0].is_stalled(end));
     scene.run(0.1);
@@ -251,7 +251,7 @@ fn robot_placed_in_front_of_another_is_touched() {
 fn distance_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     let mut scene = Scene::new(&[Pose::new(1.0, 2.0, 0.0), Pose::new(2.0, 2.0, 0.0)]);
     let deep = Pose::new(2.0 - (2.0 * RADIUS - depth), 2.0, heading);
-    scene.motions[0].place(Time(10_000), deep).expect("sound");
+    scene.motions[0].place(Time(10_000), deep).expect("valid");
     scene.advance();
     assert!(!scene.motions[0].is_stalled(SLOT), "it only stands there");
     scene.drive(0, SLOT, 0.5, 0.0);
@@ -287,7 +287,7 @@ fn robot_placed_into_a_wall_can_leave_but_not_go_deeper() {
             let angle = f64::from(heading) * PI / 6.0;
             let mut scene = Scene::new(&[Pose::new(2.0, 2.0, 0.0)]);
             let deep = Pose::new(4.0 - RADIUS + depth, 2.0, angle);
-            scene.motions[0].place(Time(10_000), deep).expect("sound");
+            scene.motions[0].place(Time(10_000), deep).expect("valid");
             scene.drive(0, Time(10_000), 0.5, 0.0);
             scene.run(0.3);
             let moved = scene.position(0) - deep.position;
@@ -305,7 +305,7 @@ fn placement_of_a_blocked_robot_is_replayed() {
     // Robot 2 stops robot 1 before the time of the placement; the placement is then replayed.
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0 + 2.0 * RADIUS + 0.005, 1.0, PI)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
-    scene.motions[0].place(Time(30_000), Pose::new(3.0, 3.0, PI / 2.0)).expect("sound");
+    scene.motions[0].place(Time(30_000), Pose::new(3.0, 3.0, PI / 2.0)).expect("valid");
     scene.drive(0, Time(40_000), 0.1, 0.0);
     scene.advance();
     assert_eq!(scene.contacts.len(), 1);
@@ -329,9 +329,9 @@ fn contact_after_a_placement_is_new() {
                 scene.drive(0, at + Time(wait), v, 0.0);
             }
             if is_place {
-                scene.motions[0].place(at + Time(25_000), start[0]).expect("sound");
+                scene.motions[0].place(at + Time(25_000), start[0]).expect("valid");
             }
-            scene.world.place_object(CRATE, crate_at).expect("sound");
+            scene.world.place_object(CRATE, crate_at).expect("valid");
         }
         scene.run(0.1);
         let with = |thing| scene.contacts.iter().filter(|contact| contact.with == thing).count();
@@ -355,7 +355,7 @@ fn published_poses_match_true_poses_during_the_slot() {
                 let observed_pose = scene.world.robot_pose(RobotId::from_index(robot), at);
                 assert!(
                     (observed_pose.position - truth.position).length() < 1e-15,
-                    "{observed_pose:?} for {truth:?} at {at:?}"
+                    "{observed_pose:?} instead of {truth:?} at {at:?}"
                 );
                 let difference = observed_pose.heading.turned(-truth.heading.remainder()).remainder();
                 assert!(
@@ -376,9 +376,9 @@ fn object_placement_takes_effect_in_the_next_slot() {
     scene.run(0.2);
     assert_eq!(scene.world.moved_objects(), []);
     let (now, end) = (scene.world.slot_start(), scene.world.slot_end());
-    scene.world.place_object(CRATE, Pose::new(9.0, 9.0, 9.0)).expect("sound");
+    scene.world.place_object(CRATE, Pose::new(9.0, 9.0, 9.0)).expect("valid");
     let target = Pose::new(3.0, 0.5, -1.0);
-    scene.world.place_object(CRATE, target).expect("sound");
+    scene.world.place_object(CRATE, target).expect("valid");
     assert_eq!(scene.world.object_pose(CRATE, now), Pose::new(1.0, 1.0, 0.0));
     scene.advance();
     assert_eq!(scene.world.moved_objects(), [CRATE], "the other one sleeps on");
@@ -399,7 +399,7 @@ fn ball_placed_into_a_wall_is_pushed_out_before_the_world_rests() {
     for slot in [1_000, 7_500, 50_000] {
         let mut scene =
             Scene::with(model(), Time(slot), &[]).with_objects(Pose::new(1.0, 1.0, 0.0), Pose::new(2.0, 2.0, 0.0));
-        scene.world.place_object(BALL, Pose::new(3.99, 2.0, 0.0)).expect("sound");
+        scene.world.place_object(BALL, Pose::new(3.99, 2.0, 0.0)).expect("valid");
         scene.advance();
         let mut slots = 0;
         while scene.world.is_object_moving() {
@@ -421,7 +421,7 @@ fn placed_object_rests_and_can_be_pushed() {
     assert!(scene.world.is_object_moving());
     // 2 mm outside the robot's rim.
     let target = Pose::new(2.0 + RADIUS + 0.02 + 0.002, 1.0, 0.0);
-    scene.world.place_object(BALL, target).expect("sound");
+    scene.world.place_object(BALL, target).expect("valid");
     scene.advance();
     assert_eq!(scene.world.object_state(BALL).world_from_object, target);
     assert!(scene.world.object_state(BALL).is_resting());
@@ -447,8 +447,8 @@ fn objects_placed_into_obstacles_are_pushed_out_slowly() {
     for (crate_at, ball_at) in cases {
         let mut scene = Scene::new(&[robot]).with_objects(Pose::new(0.5, 3.5, 0.0), Pose::new(3.5, 0.5, 0.0));
         scene.run(0.1);
-        scene.world.place_object(CRATE, crate_at).expect("sound");
-        scene.world.place_object(BALL, ball_at).expect("sound");
+        scene.world.place_object(CRATE, crate_at).expect("valid");
+        scene.world.place_object(BALL, ball_at).expect("valid");
         for _ in 0..100 {
             scene.advance();
             for object in [CRATE, BALL] {
@@ -500,9 +500,9 @@ proptest! {
                 }
             }
             match (robot, is_place) {
-                (3, true) => scene.world.place_object(CRATE, Pose::new(x, y, phi)).expect("sound"),
-                (3, false) => scene.world.place_object(BALL, Pose::new(y, x, phi)).expect("sound"),
-                (_, true) => scene.motions[robot].place(at, Pose::new(x, y, phi)).expect("sound"),
+                (3, true) => scene.world.place_object(CRATE, Pose::new(x, y, phi)).expect("valid"),
+                (3, false) => scene.world.place_object(BALL, Pose::new(y, x, phi)).expect("valid"),
+                (_, true) => scene.motions[robot].place(at, Pose::new(x, y, phi)).expect("valid"),
                 (_, false) => scene.drive(robot, at, 0.4 * (x - 2.0).clamp(-2.0, 2.0), y.clamp(-9.0, 9.0) - 2.0),
             }
             for object in [CRATE, BALL] {
@@ -525,7 +525,7 @@ proptest! {
                     scene.advance();
                 }
                 if is_place {
-                    scene.motions[0].place(at, Pose::new(x, y, phi)).expect("sound");
+                    scene.motions[0].place(at, Pose::new(x, y, phi)).expect("valid");
                 } else {
                     scene.drive(0, at, 0.4 * (x - 2.0).clamp(-2.0, 2.0), y.clamp(-9.0, 9.0) - 2.0);
                 }

@@ -84,7 +84,7 @@ impl Scene {
         let at = self.world.slot_start();
         let motion = &mut self.motions[robot.index()];
         let touching = self.world.touching(motion, at);
-        motion.command(at, Command::Twist(Twist::new(v, 0.0)), &touching).expect("a sound command");
+        motion.command(at, Command::Twist(Twist::new(v, 0.0)), &touching).expect("a valid command");
     }
 
     fn run(&mut self, seconds: f64) {

@@ -75,7 +75,7 @@ impl Scene {
     fn command(&mut self, robot: usize, command: Command) {
         let at = self.world.slot_start();
         let touching = self.world.touching(&mut self.motions[robot], at);
-        self.motions[robot].command(at, command, &touching).expect("a sound command");
+        self.motions[robot].command(at, command, &touching).expect("a valid command");
     }
 
     fn run(&mut self, seconds: f64) {
@@ -137,7 +137,7 @@ fn heavy_crate_stalls_the_wheels_and_does_not_move() {
     let (object, robot) = (scene.object().x, scene.robot(0).position.x);
     // After the impact both move at 0.08 m/s, until the excess of friction, 0.5 kg times gravity, stops them.
     let distance = 0.08 * 0.08 / (2.0 * 0.5 * GRAVITY / 5.0);
-    assert!((object - 0.3 - distance).abs() < 2e-4, "{object} for {}", 0.3 + distance);
+    assert!((object - 0.3 - distance).abs() < 2e-4, "{object} instead of {}", 0.3 + distance);
     let wheels = scene.motions[0].wheel_angles(now);
     scene.run(60.0);
     assert_eq!((scene.object().x, scene.robot(0).position.x), (object, robot), "nothing creeps");
@@ -164,7 +164,7 @@ fn kicked_ball_leaves_with_the_speed_of_the_impact() {
         let blow = (1.0 + restitution) * 2.0 * 0.4 / 2.05;
         // Without restitution the robot accelerates the object to its own speed again.
         let expected = if restitution == 0.0 { 0.4 } else { blow };
-        assert!((speed - expected).abs() < 2e-4, "{speed} for {expected}");
+        assert!((speed - expected).abs() < 2e-4, "{speed} instead of {expected}");
     }
 }
 
@@ -265,7 +265,7 @@ fn robot_at_rest_is_not_pushed() {
     let there = (1.0 - 2.0 * deceleration * 0.35).sqrt();
     let remaining_distance = 0.5 * there - deceleration * (2.0 - (1.0 - there) / deceleration);
     let velocity = scene.world.object_state(BOX).velocity.x;
-    assert!((velocity - remaining_distance).abs() < 1e-3, "{velocity} for {remaining_distance}");
+    assert!((velocity - remaining_distance).abs() < 1e-3, "{velocity} instead of {remaining_distance}");
 }
 
 #[test]

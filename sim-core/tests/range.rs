@@ -15,7 +15,7 @@ use sim_core::{
     world::{Ray, Space, ThickWall, World},
 };
 
-const ME: RobotId = RobotId(1);
+const ROBOT: RobotId = RobotId(1);
 
 /// Length, width and height of the room, m.
 const ROOM: DVec3 = DVec3::new(4.0, 3.0, 2.5);
@@ -69,7 +69,7 @@ fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
 /// Panics unless the distance is within 1 nm of `expected`.
 fn assert_close(found: Reading, expected: f64, context: &str) {
     let distance = found.distance.expect("a distance");
-    assert!((distance - expected).abs() < 1e-9, "{context}: {distance} for {expected}");
+    assert!((distance - expected).abs() < 1e-9, "{context}: {distance} instead of {expected}");
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn readings_in_a_room_match_the_closed_form() {
             };
             let read = |model| {
                 let mount = Pose3::from_angles(offset, roll, pitch, yaw);
-                RangeSensor { mount, link: None, model }.read(&world.caster(ME, Time::ZERO), &posture, 0.0)
+                RangeSensor { mount, link: None, model }.read(&world.caster(ROBOT, Time::ZERO), &posture, 0.0)
             };
             let (sin, cos) = math::sin_cos(heading);
             let origin = DVec3::new(
@@ -143,7 +143,7 @@ fn a_sonar_detects_the_nearest_mirror_that_faces_it() {
             let position = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
             let (pitch, yaw) = (random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
             let pose = Pose3::from_angles(position + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
-            let found = RangeModel::Sonar(sonar).read(&world.caster(ME, Time::ZERO), &pose, 0.0);
+            let found = RangeModel::Sonar(sonar).read(&world.caster(ROBOT, Time::ZERO), &pose, 0.0);
 
             // A mirror returns an echo only from the sensor's projection onto it.
             let forward = pose.forward();
@@ -159,11 +159,11 @@ fn a_sonar_detects_the_nearest_mirror_that_faces_it() {
             let expected = audible.map(|(distance, _)| distance).min_by(f64::total_cmp);
             match (found.distance, expected) {
                 (Some(distance), Some(expected)) => {
-                    assert!((distance - expected).abs() < 1e-9, "{case}: {distance} for {expected}");
+                    assert!((distance - expected).abs() < 1e-9, "{case}: {distance} instead of {expected}");
                     detected += 1;
                 }
                 (None, None) => undetected += 1,
-                (found, expected) => panic!("{case}: {found:?} for {expected:?}"),
+                (found, expected) => panic!("{case}: {found:?} instead of {expected:?}"),
             }
         }
         assert!(detected > 5000 && undetected + detected == 10_000, "{detected} {undetected}");
@@ -180,7 +180,7 @@ fn oblique_wall(distance: f64, angle: f64, surface: Surface) -> World {
 
 /// Reading of a sensor at the origin, 0.5 m above the floor, that looks along x.
 fn read_ahead(model: RangeModel, world: &World) -> Reading {
-    model.read(&world.caster(ME, Time::ZERO), &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, 0.0)
+    model.read(&world.caster(ROBOT, Time::ZERO), &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, 0.0)
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
     for offset in [-1e-9, 0.0, 1e-9] {
         let pose = Pose3::from_angles(DVec3::new(0.3, 0.2, 0.5), 0.7, -(FRAC_PI_4 - offset), 1.1);
         let world = world(Walls::new(Vec::new()), Space::default());
-        let reading = RangeModel::Laser(Echo::LASER).read(&world.caster(ME, Time::ZERO), &pose, 0.0);
+        let reading = RangeModel::Laser(Echo::LASER).read(&world.caster(ROBOT, Time::ZERO), &pose, 0.0);
         assert_eq!(reading.signal == 1.0, offset <= 0.0, "{offset}");
     }
 }
@@ -311,16 +311,16 @@ fn a_sonar_measures_low_walls_with_a_body_of_another_shape_near_or_far() {
             let space = Space { walls: vec![Surface::ROUGH], fixed: ball.into_iter().collect(), ..Space::default() };
             let pose = Pose3::from_angles(DVec3::new(0.0, 0.0, 0.1), 0.0, pitch, 0.0);
             let world = world(walls, space);
-            RangeModel::Sonar(Sonar::srf08()).read(&world.caster(ME, Time::ZERO), &pose, 0.0).distance.unwrap_or(6.0)
+            RangeModel::Sonar(Sonar::srf08()).read(&world.caster(ROBOT, Time::ZERO), &pose, 0.0).distance.unwrap_or(6.0)
         };
         let fan = read(None, 0.0);
         assert_eq!(read(Some(DVec2::new(-70.0, 0.0)), 0.0), fan, "{case}: out of range");
         // With a body in range, a spiral is searched too. It can only find a nearer echo.
         let near = read(Some(DVec2::new(-0.2, 0.0)), 0.0);
-        assert!(near <= fan && near > fan - 0.05, "{case}: {near} for {fan}");
+        assert!(near <= fan && near > fan - 0.05, "{case}: {near} instead of {fan}");
         // A robot that nods by a degree still detects the wall.
         let pitched = read(None, 1.0 / 180.0 * PI);
-        assert!((pitched - fan).abs() < 0.05, "{case}: {pitched} for {fan}");
+        assert!((pitched - fan).abs() < 0.05, "{case}: {pitched} instead of {fan}");
         slanting += usize::from(fan > ahead * cos + 1e-3);
     }
     assert!(slanting > 200, "{slanting}");
@@ -341,7 +341,7 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
     {
         let posture =
             Posture { world_from_robot: Pose::new(0.5, 0.2, 0.0), links: &links, angles: &[pan, tilt], lift: 0.0 };
-        let found = sensor.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance;
+        let found = sensor.read(&world.caster(ROBOT, Time::ZERO), &posture, 0.0).distance;
         let (sin_pan, sin_tilt, cos_tilt) = (math::sin(pan), math::sin(tilt), math::cos(tilt));
         let (y, z) = (0.2 + sin_pan * (0.05 + 0.02 * cos_tilt), 0.3 + 0.02 * sin_tilt);
         let to_wall = (2.0 - y) / (sin_pan * cos_tilt);
@@ -369,8 +369,8 @@ fn a_level_psd_on_the_body_is_bit_identical_to_a_beam() {
         let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range: 2.0 } };
         let posture = Posture { world_from_robot: pose, ..Posture::default() };
         let beam = Beam { mount: Mount::new(x, y, angle), range: 2.0 };
-        let found = psd.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance;
-        assert_eq!(found, beam.distance(&world, ME, &pose, Time::ZERO));
+        let found = psd.read(&world.caster(ROBOT, Time::ZERO), &posture, 0.0).distance;
+        assert_eq!(found, beam.distance(&world, ROBOT, &pose, Time::ZERO));
     }
 }
 
@@ -379,7 +379,7 @@ fn noise_scales_the_distance_or_the_signal() {
     let world = oblique_wall(0.5, 0.0, Surface::ROUGH);
     let read = |model: RangeModel, noise| {
         let pose = Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY };
-        model.read(&world.caster(ME, Time::ZERO), &pose, noise)
+        model.read(&world.caster(ROBOT, Time::ZERO), &pose, noise)
     };
     for model in [
         RangeModel::Psd { range: 1.0 },
@@ -402,19 +402,19 @@ fn a_scan_from_a_rolled_and_pitched_mount_matches_its_rays() {
     let robot = Pose::new(2.0, 1.5, 0.7);
     // For a level mount both functions agree.
     let level = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.05, 0.4), 0.0, 0.0, 0.3));
-    let planar = scan.distances(&world, ME, &robot, Time::ZERO);
-    let spatial = scan.distances_from(&world, ME, &level, Time::ZERO);
+    let planar = scan.distances(&world, ROBOT, &robot, Time::ZERO);
+    let spatial = scan.distances_from(&world, ROBOT, &level, Time::ZERO);
     for (planar, spatial) in planar.iter().zip(&spatial) {
         assert!((planar.unwrap_or(9.0) - spatial.unwrap_or(9.0)).abs() < 1e-12, "{planar:?} {spatial:?}");
     }
     let tilted = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.0, 0.4), 0.2, -0.3, 0.5));
-    let found = scan.distances_from(&world, ME, &tilted, Time::ZERO);
+    let found = scan.distances_from(&world, ROBOT, &tilted, Time::ZERO);
     for (ray, found) in found.iter().enumerate() {
         let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
         let local = DVec3::new(cos * math::cos(0.1), sin * math::cos(0.1), math::sin(0.1));
         let (expected, _) = in_box(tilted.position, tilted.rotation * local);
         match found {
-            Some(distance) => assert!((distance - expected).abs() < 1e-12, "{ray}: {distance} for {expected}"),
+            Some(distance) => assert!((distance - expected).abs() < 1e-12, "{ray}: {distance} instead of {expected}"),
             None => assert!(expected > 3.0, "{ray}: {expected}"),
         }
     }
@@ -427,7 +427,7 @@ fn a_level_psd_detects_meshes() {
         let mount = Pose3 { position: DVec3::new(0.1, 0.0, z), ..Pose3::IDENTITY };
         let psd = RangeSensor { mount, link: None, model: RangeModel::Psd { range } };
         let posture = Posture { world_from_robot: Pose::new(1.0, 1.0, heading), ..Posture::default() };
-        psd.read(&world.caster(ME, Time::ZERO), &posture, 0.0).distance
+        psd.read(&world.caster(ROBOT, Time::ZERO), &posture, 0.0).distance
     };
     assert!((read(0.5, 0.0, 9.0).unwrap() - 2.9).abs() < 1e-12);
     assert!((read(0.5, FRAC_PI_2, 9.0).unwrap() - 1.9).abs() < 1e-12);
@@ -443,12 +443,14 @@ fn a_level_scanner_detects_meshes() {
         let scan = Scan::new(Mount::new(0.1, 0.0, 0.2), Fan { sweep: 2.0 * PI, points: 36, tilt, height, range });
         let mount = Pose3::from_angles(DVec3::new(0.1, 0.0, height), 0.0, 0.0, 0.2);
         let sensor = Pose3::from_planar(&robot, 0.0).then(&mount);
-        for (ray, found) in scan.distances(&world, ME, &robot, Time::ZERO).into_iter().enumerate() {
+        for (ray, found) in scan.distances(&world, ROBOT, &robot, Time::ZERO).into_iter().enumerate() {
             let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
             let local = DVec3::new(cos * math::cos(tilt), sin * math::cos(tilt), math::sin(tilt));
             let (expected, _) = in_box(sensor.position, sensor.rotation * local);
             match found {
-                Some(distance) => assert!((distance - expected).abs() < 1e-9, "{ray}: {distance} for {expected}"),
+                Some(distance) => {
+                    assert!((distance - expected).abs() < 1e-9, "{ray}: {distance} instead of {expected}")
+                }
                 None => assert!(expected > range, "{ray}: {expected}"),
             }
         }
@@ -456,7 +458,7 @@ fn a_level_scanner_detects_meshes() {
     // Outside the mesh of the ground there is no floor.
     let scan = Scan::new(Mount::default(), Fan { sweep: 2.0 * PI, points: 8, tilt: -0.5, height: 0.4, range: 9.0 });
     let beside = Pose::new(-20.0, 0.0, 0.0);
-    assert_eq!(scan.distances(&world, ME, &beside, Time::ZERO), [None; 8]);
+    assert_eq!(scan.distances(&world, ROBOT, &beside, Time::ZERO), [None; 8]);
 }
 
 #[test]
@@ -479,7 +481,7 @@ fn a_movable_mesh_is_detected_beyond_its_footprint() {
         .with_objects(objects)
         .with_space(Space { objects: vec![Arc::new(figure)], ..Space::default() });
     for (y, expected) in [(0.0, Some(2.0)), (0.4, Some(2.0)), (0.9, Some(2.0)), (-0.9, None), (1.1, None)] {
-        let hit = world.cast(ME, &Ray::new(DVec3::new(0.0, y, 0.3), DVec3::X, 9.0), Time::ZERO);
+        let hit = world.cast(ROBOT, &Ray::new(DVec3::new(0.0, y, 0.3), DVec3::X, 9.0), Time::ZERO);
         assert_eq!(hit.map(|hit| hit.distance), expected, "{y}");
     }
 }
@@ -493,7 +495,8 @@ fn a_tilted_scanner_detects_the_upper_face_of_a_thick_wall() {
     let world = world(walls, Space { thick_walls: vec![block], ..Space::default() });
     let read = |height: f64| {
         let fan = Fan { sweep: 0.1, points: 1, tilt: -FRAC_PI_4, height, range: 9.0 };
-        Scan::new(Mount::default(), fan).distances(&world, ME, &Pose::default(), Time::ZERO)[0].expect("wall or floor")
+        Scan::new(Mount::default(), fan).distances(&world, ROBOT, &Pose::default(), Time::ZERO)[0]
+            .expect("wall or floor")
     };
     // Side, upper face, floor beyond.
     for (height, along) in [(0.25, 0.2), (0.4, 0.3), (0.55, 0.55)] {
@@ -524,10 +527,10 @@ fn a_sonar_detects_the_faces_of_a_mesh_that_its_fan_hits() {
     for case in 0..1000 {
         let position = DVec3::new(random.between(0.5, 3.5), random.between(0.5, 2.5), random.between(0.5, 2.0));
         let pose = Pose3::from_angles(position, 0.0, random.between(-1.0, 1.0), random.between(-PI, PI));
-        let read = |world: &World| RangeModel::Sonar(sonar).read(&world.caster(ME, Time::ZERO), &pose, 0.0).distance;
+        let read = |world: &World| RangeModel::Sonar(sonar).read(&world.caster(ROBOT, Time::ZERO), &pose, 0.0).distance;
         match (read(&walls), read(&mesh)) {
             (Some(exact), Some(found)) => {
-                assert!((found - exact).abs() < 1e-9, "{case}: {found} for {exact}");
+                assert!((found - exact).abs() < 1e-9, "{case}: {found} instead of {exact}");
                 echoes += 1;
             }
             (exact, found) => assert_eq!(found, exact, "{case}"),

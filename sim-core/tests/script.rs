@@ -87,7 +87,7 @@ fn scene(model: &Model, walls: &[Segment], slot: Time, gains: Option<Gains>) -> 
             let pose = Pose { position, ..Pose::new(0.0, 0.0, f64::from(id.0)) };
             let mut motion = Motion::new(id, model.clone(), shared.clone(), pose);
             if let Some(gains) = gains {
-                motion.start_control(Time::ZERO, gains).expect("sound gains");
+                motion.start_control(Time::ZERO, gains).expect("valid gains");
             }
             motion
         })

@@ -40,7 +40,7 @@ fn readings_in_a_room_match_the_closed_form() {
             let (dx, dy) = (libm::cos(heading + angle), libm::sin(heading + angle));
             let to_x = if dx > 0.0 { (4.0 - ox) / dx } else { -ox / dx };
             let to_y = if dy > 0.0 { (3.0 - oy) / dy } else { -oy / dy };
-            assert!((found - to_x.min(to_y)).abs() < 1e-9, "within 1 nm: {found} for {}", to_x.min(to_y));
+            assert!((found - to_x.min(to_y)).abs() < 1e-9, "within 1 nm: {found} instead of {}", to_x.min(to_y));
         }
     }
 }

@@ -49,7 +49,7 @@ fn wall(ax: f64, ay: f64, bx: f64, by: f64) -> Segment {
 }
 
 fn twist(motion: &mut Motion, at: Time, v: f64, omega: f64) {
-    motion.command(at, Command::Twist(Twist::new(v, omega)), &[]).expect("a sound command");
+    motion.command(at, Command::Twist(Twist::new(v, omega)), &[]).expect("a valid command");
 }
 
 fn seconds(seconds: f64) -> Time {
@@ -81,7 +81,7 @@ fn sliding_speed_outside_the_friction_cone_matches_the_formula() {
             assert_eq!(motion.state(at).odometry, Pose::default().moved(Twist::new(0.3 * at.seconds(), 0.0)));
             // Slip ratio: slip speed divided by the speed of the push.
             let slip = math::hypot(math::sin(angle), math::cos(angle) - along);
-            assert!((motion.slip(at) - slip).abs() < 1e-9, "{} for {slip}", motion.slip(at));
+            assert!((motion.slip(at) - slip).abs() < 1e-9, "{} instead of {slip}", motion.slip(at));
             assert_eq!(motion.is_stalled(at), slip > 0.5, "{degrees} degrees");
             assert_eq!(motion.contacts(at), 1);
         }
@@ -96,7 +96,7 @@ fn drives_along_a_wall_end_by_odometry_while_encoders_count() {
         let mut free = robot(&[], 0.3, below(0.02, angle));
         for motion in [&mut motion, &mut free] {
             let drive = Command::Drive { displacement: Twist::new(3.0, 0.0), duration: 10.0 };
-            motion.command(Time(3), drive, &[]).expect("a sound command");
+            motion.command(Time(3), drive, &[]).expect("a valid command");
         }
         let end = motion.drive_end();
         assert_eq!(end, Some(Time(10_000_003)));
@@ -176,7 +176,7 @@ fn turning_disc_rolls_along_a_wall_within_the_friction_cone() {
     let leave = FRAC_PI_2 / 0.2;
     let off = motion.pose(seconds(leave + 1.0)).position;
     let circle = DVec2::new(-1.5 - 1.5 * math::sin(0.2), -RADIUS - SKIN - 1.5 * (1.0 - math::cos(0.2)));
-    assert!((off - circle).length() < 1e-6, "{off} for {circle}");
+    assert!((off - circle).length() < 1e-6, "{off} instead of {circle}");
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn turn_on_the_spot_in_contact_is_not_blocked() {
     let before = motion.pose(Time::ZERO).position;
     motion
         .command(Time::ZERO, Command::Drive { displacement: Twist::new(0.0, 7.0), duration: 2.0 }, &[])
-        .expect("sound");
+        .expect("valid");
     let end = motion.drive_end().expect("an end");
     assert_eq!(motion.pose(end).position, before);
     assert!((motion.pose(end).heading.radians() - 7.4).abs() < 1e-14);
@@ -411,7 +411,7 @@ fn run(slot: Time, commands: &[(i64, f64, f64, bool)], friction: f64, offset: f6
     let mut motion = motion
         .with_contact(ContactRule::Slide { friction })
         .and_then(|motion| motion.with_imperfection(5, imperfection))
-        .expect("sound");
+        .expect("valid");
     let mut world = World::new(shared, slot, [&mut motion]);
     let mut found = Vec::new();
     let mut at = Time::ZERO;
@@ -420,14 +420,14 @@ fn run(slot: Time, commands: &[(i64, f64, f64, bool)], friction: f64, offset: f6
             true => Command::Drive { displacement: Twist::new(*v, *omega), duration: 0.7 },
             false => Command::Twist(Twist::new(*v, *omega)),
         };
-        motion.command(at, command, &[]).expect("sound");
+        motion.command(at, command, &[]).expect("valid");
         let end = at + Time(*wait);
         while world.slot_end() <= end {
             let until = world.slot_end();
             world.advance(&mut [&mut motion]);
             let centre = motion.pose(until).position;
             let position = world.robot_pose(RobotId(1), until).position;
-            assert!((position - centre).length() < 1e-12, "what others see: {position} for {centre}");
+            assert!((position - centre).length() < 1e-12, "what others see: {position} instead of {centre}");
             let gap = oracle::clearance(&walls, centre, RADIUS);
             assert!(gap > SKIN - 2e-9, "gap {gap} at {until}");
         }
@@ -464,7 +464,7 @@ fn sliding_with_motion_errors_is_one_contact() {
     let noise = TwistNoise { speed: 0.02, turn: 0.3, ..TwistNoise::default() };
     let motion = robot(&walls, 0.3, below(0.01, 0.15));
     let mut motion =
-        motion.with_imperfection(3, Imperfection { command: noise, ..Imperfection::default() }).expect("sound");
+        motion.with_imperfection(3, Imperfection { command: noise, ..Imperfection::default() }).expect("valid");
     let mut world = World::new(Arc::new(Walls::new(walls.to_vec())), Time::from_millis(50), [&mut motion]);
     twist(&mut motion, Time::ZERO, 0.3, 0.0);
     let mut reported = 0;
@@ -502,9 +502,9 @@ fn published_pieces_match_the_true_pose() {
 fn endless_drive_with_systematic_errors_needs_one_stage() {
     let unequal = Imperfection { diameters: [0.0, 0.1, 0.0, 0.0], ..Imperfection::default() };
     let motion = robot(&room(), 0.3, Pose::new(0.3, 0.4, 0.3));
-    let mut motion = motion.with_imperfection(1, unequal).expect("sound");
+    let mut motion = motion.with_imperfection(1, unequal).expect("valid");
     let displacement = Twist::new(1e11, 0.0);
-    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1e12 }, &[]).expect("sound");
+    motion.command(Time::ZERO, Command::Drive { displacement, duration: 1e12 }, &[]).expect("valid");
     assert!(motion.drive_end().is_some());
     assert!(oracle::clearance(&room(), motion.pose(Time::from_millis(100_000)).position, RADIUS) > SKIN - 2e-9);
 }
@@ -552,7 +552,7 @@ fn crowd(seed: u64, slot: Time, crates: &[f64]) {
             if random.chance(0.03) {
                 let command = Twist::new(random.between(-0.4, 0.4), random.between(-2.0, 2.0));
                 let touching = world.touching(motion, now);
-                motion.command(now, Command::Twist(command), &touching).expect("sound");
+                motion.command(now, Command::Twist(command), &touching).expect("valid");
             }
         }
         world.advance(&mut motions.iter_mut().collect::<Vec<_>>());

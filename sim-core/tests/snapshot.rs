@@ -360,7 +360,7 @@ fn motion(script: &Script, walls: &Arc<Walls>, id: RobotId, start: Start, has_le
     }
     let command = TwistNoise { speed: 0.01, speed_share: 0.05, turn: 0.02, turn_share: 0.05 };
     let imperfection = Imperfection { slip: 0.02, slip_deviation: 0.05, command, ..Imperfection::default() };
-    motion.with_imperfection(script.seed, imperfection).expect("a sound imperfection")
+    motion.with_imperfection(script.seed, imperfection).expect("a valid imperfection")
 }
 
 proptest! {

@@ -19,7 +19,7 @@ use sim_core::{
 };
 use sim_format::{content, print, read_companion, read_robi};
 
-const ME: RobotId = RobotId(1);
+const ROBOT: RobotId = RobotId(1);
 
 fn model(legs: &Legs) -> Model {
     let gait = &legs.gaits[0];
@@ -94,7 +94,7 @@ fn walker(legs: &Arc<Legs>) -> Motion {
 
 fn walker_on(legs: &Arc<Legs>, ground: Ground) -> Motion {
     let walls = Arc::new(Walls::new(Vec::new()));
-    let motion = Motion::new(ME, Arc::new(model(legs)), walls, Pose::new(1.0, -2.0, 0.7));
+    let motion = Motion::new(ROBOT, Arc::new(model(legs)), walls, Pose::new(1.0, -2.0, 0.7));
     motion.with_legs(Arc::clone(legs), Arc::new(ground))
 }
 
@@ -295,7 +295,7 @@ fn legs_refuse_what_they_cannot_do() {
     }
     assert_eq!(motion.command_legs(at, LegCommand::StepHeight(-0.01)), Err(LegCommandError::Length));
     let walls = Arc::new(Walls::new(Vec::new()));
-    let mut none = Motion::new(ME, Arc::new(model(&legs)), walls, Pose::default());
+    let mut none = Motion::new(ROBOT, Arc::new(model(&legs)), walls, Pose::default());
     assert_eq!(none.command_legs(at, LegCommand::Gait(0)), Err(LegCommandError::NoLegs));
     assert_eq!(none.stance(at), Stance::default());
     assert!(none.command(at, Command::Wheels([1.0; 4]), &[]).is_err());
@@ -537,7 +537,7 @@ fn types_with_legs_are_read_printed_and_read_again() {
         let model = Arc::new(build::model(&robi));
         let speed = model.max_speed.min(robi.max_speed);
         let mut motion =
-            Motion::new(ME, model, walls, Pose::default()).with_legs(Arc::clone(&legs), Arc::new(Ground::Flat));
+            Motion::new(ROBOT, model, walls, Pose::default()).with_legs(Arc::clone(&legs), Arc::new(Ground::Flat));
         motion.command(Time(0), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("can be driven");
         let seconds = 4.0 * legs.gaits[0].period.seconds();
         if legs.legs.iter().all(|leg| leg.wheel.is_none()) {

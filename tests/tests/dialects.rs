@@ -300,7 +300,7 @@ fn the_track_of_eyesim_vr_is_half_the_wheel_distance() {
         let robots = run(&scratch, &sim);
         // The two motors start some calls apart, which causes at most 0.1 degrees.
         let (by_vw, by_motors) = (number(&robots[0], "pose.phi_rad"), number(&robots[1], "pose.phi_rad"));
-        assert!((by_motors - turn).to_degrees().abs() < 0.1, "{robi}: {by_motors} for {turn}");
+        assert!((by_motors - turn).to_degrees().abs() < 0.1, "{robi}: {by_motors} instead of {turn}");
         assert!((by_vw - turn - FRAC_PI_2).to_degrees().abs() < 0.1, "{robi}: {by_vw}");
         // Ticks of the right wheel, with 1100 ticks per turn.
         assert!((reading(&robots[1], 0) - 1100.0 * wheel / (2.0 * PI)).abs() <= 1.0, "{robi}: {:#}", robots[1]);

@@ -38,7 +38,7 @@ const HEIGHT: f64 = 40.0;
 const LOW_HEIGHT: f64 = 0.1;
 /// Height of low walls, the default of world files, m.
 const LOW_WALL: f64 = 0.2;
-const ME: RobotId = RobotId(1);
+const ROBOT: RobotId = RobotId(1);
 
 fn run(effort: Effort) -> Outcome {
     let count = effort.of(300);
@@ -107,7 +107,7 @@ struct Case {
 
 /// Reading of the core's sonar.
 fn read_sonar(case: &Case, sonar: &Sonar) -> Option<f64> {
-    RangeModel::Sonar(*sonar).read(&case.world.caster(ME, Time::ZERO), &case.world_from_sensor, 0.0).distance
+    RangeModel::Sonar(*sonar).read(&case.world.caster(ROBOT, Time::ZERO), &case.world_from_sensor, 0.0).distance
 }
 
 /// Nearest echo along rays spread evenly over the horizontal plane in front of a level sensor.
@@ -119,7 +119,7 @@ fn read_rays_only(case: &Case, sonar: &Sonar) -> Option<f64> {
         let (sin, cos) = math::sin_cos(angle);
         let direction = rotation.x_axis * cos + rotation.y_axis * sin;
         let ray = Ray::new(position, direction, nearest.unwrap_or(sonar.max));
-        let Some(hit) = case.world.cast(ME, &ray, Time::ZERO) else { continue };
+        let Some(hit) = case.world.cast(ROBOT, &ray, Time::ZERO) else { continue };
         let face = hit.face.expect("a ray in space hits a face");
         let energy = sonar.energy(angle.abs(), hit.distance, &face, incidence(direction, face.normal));
         if hit.distance >= sonar.min && energy >= sonar.threshold {

@@ -1,9 +1,9 @@
 //! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
 //! This module contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual
-//! time. The library rapier solves the contacts; floor friction, rolling resistance and a limit of the energy after
-//! each step are added here. Reading files and the reaction of a robot to a push are not part of this module: here,
-//! robots are discs with a velocity ([`Pusher`]).
+//! time. The library rapier solves the contacts; this module adds floor friction, rolling
+//! resistance and a limit of the energy after each step. It neither reads files nor computes a robot's reaction to a
+//! push: here, robots are discs with a velocity ([`Pusher`]).
 //!
 //! The solver is built with the feature `objects`. Without it, [`Bodies`] cannot be constructed, and scenes with
 //! movable objects are rejected.
@@ -84,14 +84,14 @@ pub struct Properties {
 }
 
 impl Properties {
-    /// Square of the radius of gyration about the centre of mass, m², for a uniform mass per area of the parts.
+    /// Square of the radius of gyration about the centre of mass, m², for parts of uniform mass per area.
     pub fn gyration_squared(&self) -> f64 {
         let mut area = 0.0;
         let mut moment = 0.0;
         for part in &self.parts {
-            let arm = (part.object_from_part.position - self.centre_of_mass).length_squared();
+            let arm_squared = (part.object_from_part.position - self.centre_of_mass).length_squared();
             area += part.shape.area();
-            moment += part.shape.area() * (part.shape.gyration_squared() + arm);
+            moment += part.shape.area() * (part.shape.gyration_squared() + arm_squared);
         }
         moment / area
     }
@@ -136,8 +136,9 @@ impl Properties {
         let of_part = |part: &Part| {
             let world_from_part = world_from_object.compose(&part.object_from_part);
             let axis = world_from_part.heading.direction();
-            let into = DVec2::new(axis.x, -axis.y);
-            part.shape.cast(into.rotate(origin - world_from_part.position), into.rotate(direction))
+            let part_from_world = DVec2::new(axis.x, -axis.y);
+            let origin = part_from_world.rotate(origin - world_from_part.position);
+            part.shape.cast(origin, part_from_world.rotate(direction))
         };
         self.parts.iter().filter_map(of_part).min_by(f64::total_cmp)
     }

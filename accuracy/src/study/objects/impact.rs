@@ -111,7 +111,7 @@ mod tests {
         }
         assert!(
             (x - distance).abs() < 1e-6 && (turned - angle).abs() < 1e-5,
-            "{x} for {distance}, {turned} for {angle}"
+            "{x} instead of {distance}, {turned} instead of {angle}"
         );
     }
 }

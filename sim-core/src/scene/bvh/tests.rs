@@ -184,7 +184,7 @@ fn rays_from_far_away_hit() {
             let is_grazing = hit.normal.dot(up) < 0.05;
             assert!(
                 is_grazing || (hit_point - expected).length() < 1e-14 * far + 1e-9,
-                "{far}: {hit_point} for {expected}"
+                "{far}: {hit_point} instead of {expected}"
             );
         }
     }
@@ -230,7 +230,7 @@ fn no_ray_slips_through_a_shared_edge() {
             let direction = direction_to_edge(&triangles, origin, &mut random);
             let hit = cast(&levels, origin, direction, f64::INFINITY).expect("a closed mesh has no holes");
             let truth = oracle::nearest_triangle(&triangles, origin, direction, 99.0, 1e-12).unwrap().0;
-            assert!((hit.distance - truth).abs() < 1e-9, "{hit:?} for {truth}");
+            assert!((hit.distance - truth).abs() < 1e-9, "{hit:?} instead of {truth}");
         }
         let middle = DVec3::new(0.125, -0.25, 0.25);
         for axis in DVec3::AXES {
@@ -404,7 +404,7 @@ fn distances_in_a_room_match_its_planes() {
                 minimum.min(((wall - origin[axis]) / direction[axis]).abs())
             });
             let hit = index.cast(origin, direction, f64::INFINITY).unwrap();
-            assert!((hit.distance - expected).abs() < 1e-9, "{hit:?} for {expected}");
+            assert!((hit.distance - expected).abs() < 1e-9, "{hit:?} instead of {expected}");
             assert!(hit.normal.dot(direction) < 0.0 && hit.normal.abs().max_element() == 1.0, "{hit:?}");
         }
     }
