@@ -51,12 +51,12 @@ impl Board {
     }
 }
 
-/// Points in a picture at which two dark and two light squares meet diagonally, with sub-pixel accuracy. Columns go to the right, rows
-/// downwards; the centre of the first pixel is at (0.5, 0.5).
+/// Points in a picture at which two dark and two light squares meet diagonally, with sub-pixel accuracy. Columns go to
+/// the right, rows downwards; the centre of the first pixel is at (0.5, 0.5).
 ///
-/// Finds saddle points of the brightness blurred by a Gaussian of 2.5 pixels. Newton's method refines candidates, at every other pixel, to
-/// zeros of the gradient. The four squares are symmetric under a half turn about their crossing, so the crossing remains the saddle point
-/// under any blur with that symmetry. The method is our choice.
+/// Finds saddle points of the brightness blurred by a Gaussian of 2.5 pixels. Newton's method refines candidates, at
+/// every other pixel, to zeros of the gradient. The four squares are symmetric under a half turn about their crossing,
+/// so the crossing remains the saddle point under any blur with that symmetry. The method is our choice.
 pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
     let brightness = Brightness(picture);
     let [width, height] = picture.size().map(|side| side as usize);
@@ -85,8 +85,8 @@ pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
     found
 }
 
-/// Standard deviation of the Gaussian, in pixels. The error due to the averaging over the area of a pixel falls with the square of this
-/// value (0.01 pixel at 2.5). The board's squares should be at least 15 pixels wide.
+/// Standard deviation of the Gaussian, in pixels. The error due to the averaging over the area of a pixel falls with
+/// the square of this value (0.01 pixel at 2.5). The board's squares should be at least 15 pixels wide.
 const BLUR: f64 = 2.5;
 /// Radius at which the Gaussian is truncated, in pixels.
 const TRUNCATION_RADIUS: isize = 11;

@@ -1,4 +1,5 @@
-//! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired differences.
+//! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired
+//! differences.
 //!
 //! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It also
 //! evaluates its result with each parameter one step lower and one step higher, so no optimum is at the edge of a
@@ -21,8 +22,9 @@ pub struct Parameter {
     pub ratio: f64,
     /// Maximum meaningful value (1 for a fraction), at which an optimum may lie; infinite without a limit.
     pub most: f64,
-    /// A step is an improvement if it lowers the mean error by more than this fraction; a coarse step counts as two steps. The value is the
-    /// same for all methods with this parameter, and larger for a parameter whose steps multiply the computing time.
+    /// A step is an improvement if it lowers the mean error by more than this fraction; a coarse step counts as two
+    /// steps. The value is the same for all methods with this parameter, and larger for a parameter whose steps
+    /// multiply the computing time.
     pub gain: f64,
 }
 
@@ -83,9 +85,10 @@ pub enum TuneError {
 
 /// Searches for the setting of a method with the minimum mean error over the training cases.
 ///
-/// A compass search moves each parameter two steps up and down on a few cases, then one step on all cases, as long as this lowers the
-/// error; it ends when no single step of any parameter lowers the error. The search begins with the last parameter, which should be the
-/// resolution: the optimum of the other parameters depends on it. `error` returns the error of a setting in a case.
+/// A compass search moves each parameter two steps up and down on a few cases, then one step on all cases, as long as
+/// this lowers the error; it ends when no single step of any parameter lowers the error. The search begins with the
+/// last parameter, which should be the resolution: the optimum of the other parameters depends on it. `error` returns
+/// the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].
@@ -149,7 +152,8 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Moves `best` by `stride` steps of one parameter after the other, as long as this is an improvement on the first `cases` cases.
+    /// Moves `best` by `stride` steps of one parameter after the other, as long as this is an improvement on the first
+    /// `cases` cases.
     fn descend(&mut self, best: &mut Vec<i32>, stride: i32, cases: usize) -> Result<(), TuneError> {
         let moves: Vec<(usize, i32)> =
             (0..self.parameters.len()).rev().flat_map(|index| [(index, stride), (index, -stride)]).collect();
@@ -171,8 +175,8 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Returns true if the mean error of a setting is less than `factor` times that of the best setting. The comparison goes case by case
-    /// and stops early if the setting is clearly worse.
+    /// Returns true if the mean error of a setting is less than `factor` times that of the best setting. The comparison
+    /// goes case by case and stops early if the setting is clearly worse.
     fn is_better(&mut self, steps: &[i32], best: &[i32], factor: f64, cases: usize) -> Result<bool, TuneError> {
         let mut excesses = Vec::with_capacity(cases);
         for case in 0..cases {
@@ -226,8 +230,9 @@ pub enum Ends {
 }
 
 impl Interval {
-    /// Interval of the mean of independent values: the 95 % percentile bootstrap (Efron 1979; 10,000 resamples with a fixed seed), or
-    /// the range of fewer than ten values. Values of one cluster (room, robot) must be passed as one value, their mean.
+    /// Interval of the mean of independent values: the 95 % percentile bootstrap (Efron 1979; 10,000 resamples with a
+    /// fixed seed), or the range of fewer than ten values. Values of one cluster (room, robot) must be passed as one
+    /// value, their mean.
     ///
     /// # Panics
     /// Without values.
@@ -353,7 +358,8 @@ mod tests {
             let Interval { low, high, .. } = Interval::of(&values);
             low < 0.5 && 0.5 < high
         });
-        // 95 % of 200, within three standard deviations of the binomial distribution, slightly widened since there are only 40 values.
+        // 95 % of 200, within three standard deviations of the binomial distribution, slightly widened since there are
+        // only 40 values.
         let covered = covered.count();
         assert!((178..=200).contains(&covered), "{covered}");
     }

@@ -29,8 +29,8 @@ pub struct Drive {
 pub struct Course(pub Vec<Drive>);
 
 impl Course {
-    /// A course of 600 s: straight lines, curves and turns on the spot in turn, of 1 to 8 s each, with random speeds of up to 0.5 m/s
-    /// and 2 rad/s, forwards and backwards; the seed is fixed.
+    /// A course of 600 s: straight lines, curves and turns on the spot in turn, of 1 to 8 s each, with random speeds of
+    /// up to 0.5 m/s and 2 rad/s, forwards and backwards; the seed is fixed.
     pub fn ten_minutes() -> Self {
         let mut random = Random::new(600);
         let mut drives = Vec::new();
@@ -119,8 +119,8 @@ const MIN_QUERY_INTERVAL: Time = Time(100);
 
 /// True pose at the end of the course by the core, in slots of length `slot` and in a world without walls.
 ///
-/// Each drive is commanded when the previous one has ended. The pose is queried after each slot, or after every 100 us if
-/// slots are shorter.
+/// Each drive is commanded when the previous one has ended. The pose is queried after each slot, or after every 100 us
+/// if slots are shorter.
 ///
 /// # Panics
 /// If a drive of the course is not finite.

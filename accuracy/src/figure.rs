@@ -59,8 +59,8 @@ pub struct Series {
 
 #[cfg(feature = "studies")]
 impl Figure {
-    /// Chart of error against time, both on logarithmic axes, with one curve for each method and its points in the order of the rows. If
-    /// error and time of a method are not monotonic, its points are not connected.
+    /// Chart of error against time, both on logarithmic axes, with one curve for each method and its points in the
+    /// order of the rows. If error and time of a method are not monotonic, its points are not connected.
     ///
     /// `None` without rows. All rows must belong to one study.
     pub fn of_rows(title: &str, rows: &[Row]) -> Option<Self> {

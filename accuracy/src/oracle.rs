@@ -5,13 +5,13 @@ use sim_core::math;
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Segment;
 
-/// Nearest of `segments` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
-/// `None` if there is no hit within `range` metres.
+/// Nearest of `segments` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in
+/// the list. `None` if there is no hit within `range` metres.
 ///
-/// Each wall is extended by `extension` metres at both ends (shortened if negative). If an index lets no ray pass through
-/// a corner and its errors come only from rounding, its result is between the results for a small positive and a small
-/// negative `extension`. A wall that is parallel to the ray or has zero length is hit at its nearer end if both ends are
-/// within `extension` of the ray's line.
+/// Each wall is extended by `extension` metres at both ends (shortened if negative). If an index lets no ray pass
+/// through a corner and its errors come only from rounding, its result is between the results for a small positive and
+/// a small negative `extension`. A wall that is parallel to the ray or has zero length is hit at its nearer end if both
+/// ends are within `extension` of the ray's line.
 ///
 /// The ray and the wall's line are two linear equations, solved by Cramer's rule.
 pub fn nearest_wall(
@@ -55,12 +55,12 @@ fn distance_to_parallel(a: DVec2, b: DVec2, direction: DVec2, extension: f64) ->
     (far >= -extension).then_some(near.max(0.0))
 }
 
-/// Nearest of `triangles` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in the list.
-/// `None` if there is no hit within `range` metres.
+/// Nearest of `triangles` along a ray: distance in metres from `origin` along the unit vector `direction`, and index in
+/// the list. `None` if there is no hit within `range` metres.
 ///
 /// All edges of each triangle are moved outwards by `margin` metres (inwards if negative). If an index lets no ray pass
-/// through a shared edge, its result is between the results for a small positive and a small negative `margin`. Triangles
-/// of zero area, and triangles whose plane is parallel to the ray, are not hit.
+/// through a shared edge, its result is between the results for a small positive and a small negative `margin`.
+/// Triangles of zero area, and triangles whose plane is parallel to the ray, are not hit.
 ///
 /// The ray and two edges are three linear equations, solved by Cramer's rule.
 pub fn nearest_triangle(
@@ -99,8 +99,8 @@ pub(crate) fn distance_to_triangle(
     (t >= -margin.max(0.0) && inside).then_some(t.max(0.0))
 }
 
-/// Distance in metres between a disc of `radius` around `centre` and the nearest of `segments`; negative if they overlap, infinite
-/// without segments.
+/// Distance in metres between a disc of `radius` around `centre` and the nearest of `segments`; negative if they
+/// overlap, infinite without segments.
 pub fn clearance(segments: &[Segment], centre: DVec2, radius: f64) -> f64 {
     segments.iter().map(|segment| distance_to_point(segment, centre)).fold(f64::INFINITY, f64::min) - radius
 }
@@ -122,13 +122,13 @@ const SAMPLES: f64 = 1e5;
 /// overlaps a segment at the start, even if the disc moves away. `None` if it touches no segment or an argument is not
 /// finite.
 ///
-/// The disc of `radius` metres has its centre at the origin of a frame that starts at `start` and moves with the constant
-/// `twist`, given in that frame (see [`Twist::at_offset`] for another centre).
+/// The disc of `radius` metres has its centre at the origin of a frame that starts at `start` and moves with the
+/// constant `twist`, given in that frame (see [`Twist::at_offset`] for another centre).
 ///
-/// The clearance is sampled, and its first change of sign is found by bisection. The time to the next sample is that in which the disc
-/// travels the clearance, at least 10^-5 of the horizon. A contact is missed only if the overlap is shorter than this minimum interval,
-/// and not deeper than the disc travels in it. The error of a contact is about 10^-15 m divided by the speed of approach, below 10^-9 s
-/// unless the disc grazes the wall.
+/// The clearance is sampled, and its first change of sign is found by bisection. The time to the next sample is that in
+/// which the disc travels the clearance, at least 10^-5 of the horizon. A contact is missed only if the overlap is
+/// shorter than this minimum interval, and not deeper than the disc travels in it. The error of a contact is about
+/// 10^-15 m divided by the speed of approach, below 10^-9 s unless the disc grazes the wall.
 pub fn first_contact(segments: &[Segment], start: Pose, twist: Twist, radius: f64, horizon: f64) -> Option<f64> {
     if !(twist.is_finite() && start.position.is_finite() && radius.is_finite() && horizon.is_finite()) {
         return None;
@@ -179,8 +179,8 @@ fn centre_at(start: &Pose, twist: Twist, t: f64) -> DVec2 {
     start.position + forward.rotate(mean * t)
 }
 
-/// Bisects the interval from `low`, where `condition` is false, to `high`, where it is true, down to adjacent `f64` numbers and returns the
-/// upper one.
+/// Bisects the interval from `low`, where `condition` is false, to `high`, where it is true, down to adjacent `f64`
+/// numbers and returns the upper one.
 fn bisected(mut low: f64, mut high: f64, condition: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = low + 0.5 * (high - low);
@@ -252,8 +252,9 @@ impl Body {
 
 /// Nearest of `bodies` along a ray, as in [`nearest_wall`]: distance in metres from `origin`, and index in the list.
 ///
-/// Sphere tracing: each step along the ray is as long as the distance to the nearest body, so no step enters a body. The search ends at a
-/// distance of at most `tolerance` metres from a body; a ray that passes a body within this distance hits it.
+/// Sphere tracing: each step along the ray is as long as the distance to the nearest body, so no step enters a body.
+/// The search ends at a distance of at most `tolerance` metres from a body; a ray that passes a body within this
+/// distance hits it.
 pub fn nearest_body(
     bodies: &[Body],
     origin: DVec3,
@@ -317,7 +318,8 @@ mod tests {
 
     #[test]
     fn disc_on_an_arc_touches_where_its_circle_does() {
-        // The centre circles (0, 2) at 1.95 m with 1 rad/s and reaches x = 1.9, a radius from the wall, after asin(1.9 / 1.95) s.
+        // The centre circles (0, 2) at 1.95 m with 1 rad/s and reaches x = 1.9, a radius from the wall, after asin(1.9
+        // / 1.95) s.
         let wall = Segment::new(DVec2::new(2.0, -9.0), DVec2::new(2.0, 9.0));
         let start = Pose::new(0.0, 2.0 - 1.95, 0.0);
         let contact = first_contact(&[wall], start, Twist::new(1.95, 1.0), 0.1, 10.0).unwrap();

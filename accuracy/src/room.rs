@@ -44,7 +44,8 @@ impl Stand {
     }
 }
 
-/// Mesh of 1,200 triangles with four textures: a square room with walls, a floor of two halves, and 99 boxes on the floor.
+/// Mesh of 1,200 triangles with four textures: a square room with walls, a floor of two halves, and 99 boxes on the
+/// floor.
 pub fn room() -> Mesh {
     let mut mesh = Mesh { materials: (0..4).map(material).collect(), ..Mesh::default() };
     let (half, near, far) = (0.5 * SIDE, DVec2::ZERO, DVec2::splat(SIDE));
@@ -146,7 +147,8 @@ fn push_wall(mesh: &mut Mesh, material: u32, from: DVec2, to: DVec2, height: f64
     push_rectangle(mesh, material, [from.extend(0.0), to.extend(0.0), to.extend(height), from.extend(height)]);
 }
 
-/// Adds a rectangle with these corners, counter-clockwise on its visible side. The texture's horizontal axis is along the first side.
+/// Adds a rectangle with these corners, counter-clockwise on its visible side. The texture's horizontal axis is along
+/// the first side.
 fn push_rectangle(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);

@@ -1,9 +1,9 @@
 //! Reference integrator with small steps for the sliding of a disc along walls; the core's closed forms are compared
 //! with it.
 //!
-//! The integrator does not compute the instants at which contacts begin and end, as the core does. In each step, sweeps over the contacts
-//! (projected Gauss-Seidel) find contact forces that keep the disc out of the walls and are within their friction cones. The error falls
-//! with the length of the step.
+//! The integrator does not compute the instants at which contacts begin and end, as the core does. In each step, sweeps
+//! over the contacts (projected Gauss-Seidel) find contact forces that keep the disc out of the walls and are within
+//! their friction cones. The error falls with the length of the step.
 
 use glam::DVec2;
 use sim_core::contact::SKIN;
@@ -78,7 +78,8 @@ impl Case {
         (centre - wall.nearest_point(centre)).length() - self.radius - SKIN
     }
 
-    /// Fraction of the displacement, 0 to 1, after which the disc reaches the first of the walls that it does not touch yet.
+    /// Fraction of the displacement, 0 to 1, after which the disc reaches the first of the walls that it does not touch
+    /// yet.
     fn free_fraction(&self, centre: DVec2, displacement: DVec2) -> f64 {
         let mut fraction = 1.0;
         for wall in &self.walls {
@@ -103,8 +104,8 @@ impl Case {
         fraction
     }
 
-    /// Velocity in a step that starts at `centre`: the velocity `free`, plus a slip over the floor in the direction of the contact
-    /// forces. `previous` is the velocity in the previous step.
+    /// Velocity in a step that starts at `centre`: the velocity `free`, plus a slip over the floor in the direction of
+    /// the contact forces. `previous` is the velocity in the previous step.
     fn constrained_velocity(&self, centre: DVec2, free: DVec2, previous: DVec2, step: f64) -> DVec2 {
         struct Contact {
             normal: DVec2,

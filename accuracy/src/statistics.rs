@@ -41,14 +41,16 @@ impl Moments {
         two_sided((self.mean - mean) / (variance / self.count).sqrt())
     }
 
-    /// p-value of the hypothesis that the distribution has the variance `variance`: the variance of the sample variance is (m4 - v^2) / n.
+    /// p-value of the hypothesis that the distribution has the variance `variance`: the variance of the sample variance
+    /// is (m4 - v^2) / n.
     pub fn variance_is(&self, variance: f64) -> f64 {
         let standard_error = ((self.fourth - self.variance * self.variance) / self.count).sqrt();
         two_sided((self.variance - variance) / standard_error)
     }
 }
 
-/// Kolmogorov-Smirnov distance: the maximum difference between the empirical distribution of `sample`, sorted in place, and `cdf`.
+/// Kolmogorov-Smirnov distance: the maximum difference between the empirical distribution of `sample`, sorted in place,
+/// and `cdf`.
 pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     sample.sort_by(f64::total_cmp);
     let count = sample.len() as f64;
@@ -59,8 +61,8 @@ pub fn kolmogorov_distance(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 
     differences.fold(0.0, f64::max)
 }
 
-/// Kolmogorov-Smirnov test: p-value of the hypothesis that `sample` follows the continuous distribution `cdf`, by Stephens'
-/// approximation.
+/// Kolmogorov-Smirnov test: p-value of the hypothesis that `sample` follows the continuous distribution `cdf`, by
+/// Stephens' approximation.
 pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     let distance = kolmogorov_distance(sample, cdf);
     let root = (sample.len() as f64).sqrt();
@@ -75,8 +77,9 @@ pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Pearson's chi-squared test in the approximation of Wilson and Hilferty: p-value of `counts` under the hypothesis that their expected
-/// values are `expected`, which has the same sum. Adjacent classes are merged until each has an expected count of at least 10.
+/// Pearson's chi-squared test in the approximation of Wilson and Hilferty: p-value of `counts` under the hypothesis
+/// that their expected values are `expected`, which has the same sum. Adjacent classes are merged until each has an
+/// expected count of at least 10.
 ///
 /// # Panics
 /// If fewer than two classes remain, or the numbers of counts and expectations differ.
@@ -173,7 +176,8 @@ mod tests {
 
     #[test]
     fn kolmogorov_matches_published_values() {
-        // The midpoints of n equal intervals have the minimum distance 1 / 2n; shifted by D, their distance is D + 1 / 2n.
+        // The midpoints of n equal intervals have the minimum distance 1 / 2n; shifted by D, their distance is D + 1 /
+        // 2n.
         let sample =
             |count: usize, shift: f64| (0..count).map(|k| (k as f64 + 0.5) / count as f64 + shift).collect::<Vec<_>>();
         assert_eq!(kolmogorov(&mut sample(1000, 0.0), |x| x), 1.0);

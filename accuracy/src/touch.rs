@@ -1,5 +1,5 @@
-//! Contacts of a disc with walls at known instants, computed by the core and by a simulator that tests for overlap after
-//! each step.
+//! Contacts of a disc with walls at known instants, computed by the core and by a simulator that tests for overlap
+//! after each step.
 
 use std::f64::consts::PI;
 
@@ -56,8 +56,8 @@ pub struct Case {
 impl Case {
     /// Draws a case at random: a contact within several seconds, with start coordinates of at most 5 m.
     ///
-    /// The instant is chosen first, and the wall is placed where it touches the disc at that instant, so the instant is exact.
-    /// Cases in which the disc touches the wall earlier are drawn again.
+    /// The instant is chosen first, and the wall is placed where it touches the disc at that instant, so the instant is
+    /// exact. Cases in which the disc touches the wall earlier are drawn again.
     pub fn draw(random: &mut Random, approach: Approach) -> Self {
         loop {
             let case = Self::draw_any(random, approach);
@@ -115,8 +115,8 @@ impl Case {
     }
 
     /// Instant of the contact by a simulator that tests for overlap after each step of `step` seconds: the end of the
-    /// first step with an overlap. `None` if there is no overlap within `horizon` seconds, since the disc has passed through
-    /// the wall.
+    /// first step with an overlap. `None` if there is no overlap within `horizon` seconds, since the disc has passed
+    /// through the wall.
     pub fn by_steps(&self, step: f64, horizon: f64) -> Option<f64> {
         let is_touching = |seconds: f64| {
             let centre = self.start.moved(self.twist.scaled(seconds)).position;

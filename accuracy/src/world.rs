@@ -59,8 +59,8 @@ pub fn empty() -> World {
     World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), std::iter::empty())
 }
 
-/// A closed square room of `side` metres with its lower left corner at `corner`. It contains `boxes` boxes, of 4 walls each, with sides
-/// of 0.2 to 1 m and random orientations, which may overlap.
+/// A closed square room of `side` metres with its lower left corner at `corner`. It contains `boxes` boxes, of 4 walls
+/// each, with sides of 0.2 to 1 m and random orientations, which may overlap.
 pub fn room_with_boxes(seed: u64, corner: DVec2, side: f64, boxes: usize) -> Vec<Segment> {
     let mut random = Random::new(seed);
     let room = Bounds { min: corner, max: corner + DVec2::splat(side) };
@@ -74,8 +74,8 @@ pub fn room_with_boxes(seed: u64, corner: DVec2, side: f64, boxes: usize) -> Vec
     walls
 }
 
-/// A maze of `size` by `size` square cells of `cell` metres with its lower left corner at `corner`: a closed border, and
-/// a wall of one cell's length on each inner edge with probability 0.5.
+/// A maze of `size` by `size` square cells of `cell` metres with its lower left corner at `corner`: a closed border,
+/// and a wall of one cell's length on each inner edge with probability 0.5.
 pub fn maze(seed: u64, corner: DVec2, size: usize, cell: f64) -> Vec<Segment> {
     let mut random = Random::new(seed);
     let corner_at = |column: usize, row: usize| corner + DVec2::new(column as f64, row as f64) * cell;
@@ -104,8 +104,8 @@ pub fn extruded(walls: &[Segment]) -> Vec<[DVec3; 3]> {
     walls.iter().flat_map(side).collect()
 }
 
-/// Faces of a box around the origin with these half sizes. Each face is divided into `squares` by `squares` squares of two triangles;
-/// `transform` is applied to all points.
+/// Faces of a box around the origin with these half sizes. Each face is divided into `squares` by `squares` squares of
+/// two triangles; `transform` is applied to all points.
 pub fn cuboid(half: DVec3, squares: u32, transform: impl Fn(DVec3) -> DVec3) -> Vec<[DVec3; 3]> {
     let coordinate = |step: u32| (2.0 * f64::from(step) - f64::from(squares)) / f64::from(squares);
     let mut triangles = Vec::new();

@@ -1,4 +1,5 @@
-//! Pictures of cameras, compared with the slow reference: every pixel is equal within a grey level, except on silhouettes.
+//! Pictures of cameras, compared with the slow reference: every pixel is equal within a grey level, except on
+//! silhouettes.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -85,7 +86,8 @@ fn world(scene: &SceneSpec) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions).with_objects(objects)
 }
 
-/// Random view number `number`, and the robot whose camera it is: every other view is from a robot, the others from points above the floor.
+/// Random view number `number`, and the robot whose camera it is: every other view is from a robot, the others from
+/// points above the floor.
 fn random_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2]) -> (View, Option<RobotId>) {
     let lens = LENSES[number / 2 % 2];
     let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|max| random.between(-max, max));

@@ -1,5 +1,5 @@
-//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the
-//! origin and with any slot length.
+//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from
+//! the origin and with any slot length.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -33,8 +33,8 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Criterion: 10 km from the origin, contacts are found at their exact instants within the rounding of 1e4 m (2e-12 m) divided by the
-/// speed of approach.
+/// Criterion: 10 km from the origin, contacts are found at their exact instants within the rounding of 1e4 m (2e-12 m)
+/// divided by the speed of approach.
 #[test]
 fn contacts_ten_kilometres_away_are_exact() {
     let mut random = Random::new(21);
@@ -51,8 +51,8 @@ fn contacts_ten_kilometres_away_are_exact() {
     }
 }
 
-/// Criterion: head on and from 1 um/s to 1 km/s, the robot stops one skin in front of the first of many walls, even if it would cross all
-/// of them within one slot.
+/// Criterion: head on and from 1 um/s to 1 km/s, the robot stops one skin in front of the first of many walls, even if
+/// it would cross all of them within one slot.
 #[test]
 fn first_of_many_walls_stops_the_robot_at_any_speed() {
     let walls: Vec<_> = (1..=50).map(|n| wall(0.2 * f64::from(n), -1.0, 0.2 * f64::from(n), 1.0)).collect();
@@ -74,8 +74,8 @@ fn first_of_many_walls_stops_the_robot_at_any_speed() {
     }
 }
 
-/// Criterion: two robots that meet head on, at speeds that would swap them within one slot, stop a skin apart. The distances that they
-/// travelled have the ratio of their speeds, within a micrometre.
+/// Criterion: two robots that meet head on, at speeds that would swap them within one slot, stop a skin apart. The
+/// distances that they travelled have the ratio of their speeds, within a micrometre.
 #[test]
 fn head_on_robots_stop_a_skin_apart_at_any_speed_and_slot() {
     for slot in [1_000, 50_000, 1_000_000] {
@@ -130,8 +130,8 @@ fn robots_that_start_in_contact_move_only_away() {
     }
 }
 
-/// Criterion: in corners from 2 to 178 degrees, a robot that drives along the bisector stops a skin from both walls. It can then turn any
-/// number of times, and reverses out by the commanded distance.
+/// Criterion: in corners from 2 to 178 degrees, a robot that drives along the bisector stops a skin from both walls. It
+/// can then turn any number of times, and reverses out by the commanded distance.
 #[test]
 fn wedged_robot_reverses_out_of_corners_of_any_angle() {
     for degrees in [2.0, 10.0, 45.0, 60.0, 90.0, 120.0, 178.0_f64] {
@@ -159,8 +159,8 @@ fn wedged_robot_reverses_out_of_corners_of_any_angle() {
     }
 }
 
-/// Criterion: a robot drives 100 m through a gap that is 1 mm wider than itself, at the origin and 10 km away, without contact; if it
-/// starts 0.6 mm beside the middle line, it is stopped at the entrance.
+/// Criterion: a robot drives 100 m through a gap that is 1 mm wider than itself, at the origin and 10 km away, without
+/// contact; if it starts 0.6 mm beside the middle line, it is stopped at the entrance.
 #[test]
 fn robot_drives_through_a_gap_one_millimetre_wider() {
     let half_width = RADIUS + 0.5e-3;
@@ -187,8 +187,8 @@ fn robot_drives_through_a_gap_one_millimetre_wider() {
     }
 }
 
-/// Criterion: in a thousand random drives among boxes, a robot is never nearer to a wall than the skin, except for rounding of 1e-12 m; its
-/// poses have the same bits in slots of 1 ms and of 1 s.
+/// Criterion: in a thousand random drives among boxes, a robot is never nearer to a wall than the skin, except for
+/// rounding of 1e-12 m; its poses have the same bits in slots of 1 ms and of 1 s.
 #[test]
 fn thousand_drives_among_boxes_keep_the_skin() {
     let walls = room_with_boxes(3, DVec2::splat(-2.0), 4.0, 12);

@@ -1,4 +1,5 @@
-//! Hard cases of motion: extreme numbers, very long durations, positions far from the origin, slots from a microsecond to a second.
+//! Hard cases of motion: extreme numbers, very long durations, positions far from the origin, slots from a microsecond
+//! to a second.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -74,8 +75,8 @@ fn small_room() -> Arc<Walls> {
     Arc::new(Walls::new(room(DVec2::splat(-0.1), 0.2)))
 }
 
-/// Criterion: all bits of poses, odometry, wheels and path are equal, for straight lines, curves, turns, speeds, walls and
-/// motors, with lag, controllers, wheel controllers and imperfections.
+/// Criterion: all bits of poses, odometry, wheels and path are equal, for straight lines, curves, turns, speeds, walls
+/// and motors, with lag, controllers, wheel controllers and imperfections.
 #[test]
 fn states_have_equal_bits_for_any_slot_length() {
     let lagging_model = Model { wheel_lag: 0.04, axis_offset: 0.01, ..model() };
@@ -153,8 +154,8 @@ fn million_turns_stay_on_the_circle() {
     assert!((state.path_length - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path_length);
 }
 
-/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are rounded to 2e-12
-/// m).
+/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are
+/// rounded to 2e-12 m).
 #[test]
 fn course_ten_kilometres_away_is_the_same() {
     let lagging_model = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
@@ -179,7 +180,8 @@ fn course_ten_kilometres_away_is_the_same() {
     }
 }
 
-/// Criterion: a million drives of a micrometre add up to a metre, within their rounding; a drive back by a metre returns to the start.
+/// Criterion: a million drives of a micrometre add up to a metre, within their rounding; a drive back by a metre
+/// returns to the start.
 #[test]
 fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, 0.5));
@@ -200,8 +202,8 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     assert!(motion.pose(end).position.length() < 1e-10);
 }
 
-/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. Drives of negative length go
-/// back as far as those of the same positive length go forwards.
+/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. Drives of
+/// negative length go back as far as those of the same positive length go forwards.
 #[test]
 fn zero_and_negative_drives_end() {
     let lagging_model = Model { wheel_lag: 0.05, ..model() };
@@ -228,8 +230,9 @@ fn zero_and_negative_drives_end() {
     }
 }
 
-/// Criterion: controllers that demand more than the maximum speed reach it and do not exceed it. Afterwards they reach a lower commanded
-/// speed in less than 0.3 s, so there is no integrator windup. With gains of any size all numbers stay finite.
+/// Criterion: controllers that demand more than the maximum speed reach it and do not exceed it. Afterwards they reach
+/// a lower commanded speed in less than 0.3 s, so there is no integrator windup. With gains of any size all numbers
+/// stay finite.
 #[test]
 fn saturated_controllers_keep_the_limit_and_recover() {
     let lagging_model = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };

@@ -1,5 +1,5 @@
-//! Hard cases of rays among triangles: rays through shared edges and corners, rays in the planes of triangles, and tiny triangles in a
-//! large world.
+//! Hard cases of rays among triangles: rays through shared edges and corners, rays in the planes of triangles, and tiny
+//! triangles in a large world.
 
 use accuracy::oracle;
 use accuracy::world::{Random, cuboid};
@@ -80,8 +80,8 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
 fn rays_along_an_axis_miss_a_box_only_outside() {
     let half = DVec3::splat(2.0);
     let index = MeshIndex::new(&cuboid(half, 4, |point| point));
-    // The origins are the squares' corners and the points half-way between them, also outside the box. Some rays lie in the
-    // planes of faces.
+    // The origins are the squares' corners and the points half-way between them, also outside the box. Some rays lie in
+    // the planes of faces.
     for cell in 0..21 * 21 {
         let (u, v) = (f64::from(cell % 21) * 0.25 - 2.5, f64::from(cell / 21) * 0.25 - 2.5);
         for axis in 0..3 {

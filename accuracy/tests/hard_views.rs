@@ -297,7 +297,8 @@ fn closed_room_shows_no_sky() {
         let scene = scenery([mesh]);
         let posed = scene.pose_at(&empty(), Time::ZERO);
         for number in 0..1000 {
-            // Every other view is from a grid position with a heading of n * 45 degrees, so edges pass through the centres of pixels.
+            // Every other view is from a grid position with a heading of n * 45 degrees, so edges pass through the
+            // centres of pixels.
             let (offset, pose): (DVec3, Pose3) = if number % 2 == 0 {
                 let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);
                 (

@@ -1,5 +1,5 @@
-//! Noise, compared with its specification: mean, variance and distribution of every model and preset, bits of the generator, independence
-//! of streams; and the power of the tests to detect violations.
+//! Noise, compared with its specification: mean, variance and distribution of every model and preset, bits of the
+//! generator, independence of streams; and the power of the tests to detect violations.
 //!
 //! Seeds are fixed, so each test passes always or never. A test fails if a p-value is below [`SIGNIFICANCE`].
 
@@ -269,7 +269,8 @@ fn drift_changes_only_the_mean() {
 
 #[test]
 fn readings_of_every_kind_and_preset_match_their_model() {
-    // Small enough that no reading is clamped, although the standard deviation may grow with the square of the distance.
+    // Small enough that no reading is clamped, although the standard deviation may grow with the square of the
+    // distance.
     const EXACT: f64 = 0.5;
     for preset in presets() {
         let profile = preset.profile();
@@ -284,7 +285,8 @@ fn readings_of_every_kind_and_preset_match_their_model() {
                 );
                 continue;
             }
-            // At the start of the run the drift is at its maximum. A model with only `bias_sigma` gives the bias drawn for the sensor.
+            // At the start of the run the drift is at its maximum. A model with only `bias_sigma` gives the bias drawn
+            // for the sensor.
             let biased = sensor(RangeNoise { bias_sigma: model.bias_sigma, ..RangeNoise::default() });
             let offset = biased.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
             let (mean, sigma) = (EXACT + model.bias + offset + model.drift, model.sigma_at(EXACT));
@@ -340,8 +342,8 @@ fn percent_beyond(bound: f64, sigma: f64) -> f64 {
     if sigma == 0.0 { 0.0 } else { 200.0 * normal_cdf(-bound / sigma) }
 }
 
-/// Mean loss of log-likelihood, in nats, if readings with the standard deviation `published` are modelled with `sigma`: the
-/// Kullback-Leibler divergence of two normal distributions with the same mean.
+/// Mean loss of log-likelihood, in nats, if readings with the standard deviation `published` are modelled with `sigma`:
+/// the Kullback-Leibler divergence of two normal distributions with the same mean.
 fn nats_lost(published: f64, sigma: f64) -> f64 {
     ln(sigma / published) + 0.5 * (published / sigma).powi(2) - 0.5
 }
@@ -474,8 +476,8 @@ fn blur_of_every_preset_matches_its_model() {
     const DEVIATION: f64 = 30.0;
     let preset_models = presets().map(|preset| preset.profile().camera.blur);
     for blur in preset_models.chain([2.0, 5.0]) {
-        // A filter scales the variance of white noise by the sum of its squared weights in each direction; for a discrete Gaussian,
-        // this sum is the central weight of a Gaussian of twice the variance.
+        // A filter scales the variance of white noise by the sum of its squared weights in each direction; for a
+        // discrete Gaussian, this sum is the central weight of a Gaussian of twice the variance.
         let white = ImageNoise { sigma: DEVIATION, ..ImageNoise::default() };
         let mut pixels = vec![[128_u8]; 1_000_000];
         ImageErrors::new(white, SEED, ROBOT, "CAMERA").expose(0, 1000, &mut pixels);
@@ -486,7 +488,8 @@ fn blur_of_every_preset_matches_its_model() {
         let rounding = 1.0 / 12.0;
         let expected = (DEVIATION * DEVIATION + rounding) * variance_factor * variance_factor
             + if blur > 0.0 { rounding } else { 0.0 };
-        // Five standard deviations of the sample variance; neighbouring pixels are correlated, so fewer pixels are independent.
+        // Five standard deviations of the sample variance; neighbouring pixels are correlated, so fewer pixels are
+        // independent.
         let independent = 1e6 / (std::f64::consts::TAU * blur * blur).max(1.0);
         let tolerance = 5.0 * (2.0 / independent).sqrt();
         let Moments { mean, variance, .. } = Moments::of(&levels);
@@ -556,7 +559,8 @@ fn twist_between(before: Pose, after: Pose) -> Twist {
         .scaled(1.0 / TICK.seconds())
 }
 
-/// Checks that twists are normal with the mean `mean` and the deviations of `noise`, and that their components are independent.
+/// Checks that twists are normal with the mean `mean` and the deviations of `noise`, and that their components are
+/// independent.
 fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
     let component = |part: fn(&Twist) -> f64| twists.iter().map(part).collect::<Vec<_>>();
     let speed = |x: f64| hypot(noise.speed, noise.speed_share * x);

@@ -10,8 +10,8 @@ use sim_core::scene::{Bounds, Segment, WallId, Walls};
 /// Tolerance of a reading against brute force, in metres.
 const TOLERANCE: f64 = 1e-9;
 
-/// Checks one ray: the hit is not farther than with slightly shortened walls, and not nearer than with slightly extended walls.
-/// Away from the ends of walls these two distances are equal.
+/// Checks one ray: the hit is not farther than with slightly shortened walls, and not nearer than with slightly
+/// extended walls. Away from the ends of walls these two distances are equal.
 fn check(walls: &Walls, origin: DVec2, direction: DVec2, range: f64) {
     let found = walls.cast(origin, direction, range);
     let distance = found.map_or(f64::INFINITY, |hit| hit.distance);
@@ -55,7 +55,8 @@ fn random_rays_match_brute_force() {
 
 #[test]
 fn no_ray_passes_through_a_corner() {
-    // 0.18 m is the cell size of a micro-mouse maze. Rays begin in the middle of a cell, on a border or corner of cells, or anywhere.
+    // 0.18 m is the cell size of a micro-mouse maze. Rays begin in the middle of a cell, on a border or corner of
+    // cells, or anywhere.
     for (seed, corner) in (10..).zip([DVec2::ZERO, DVec2::new(0.1, -0.7), DVec2::new(-1e4, 1e4)]) {
         for cell in [0.18, 1.0] {
             let size = 12;
@@ -194,7 +195,8 @@ fn degenerate_scenes_match_brute_force() {
         assert!((hit.distance - 5.0).abs() < TOLERANCE && hit.wall == WallId(0), "{hit:?}");
         assert_eq!(walls.cast(DVec2::ZERO, DVec2::X, 9.0), None);
     }
-    // Scenes of 300 walls of a millimetre: with two more walls that are far away, all on one line, and with another wall of 10^50 m.
+    // Scenes of 300 walls of a millimetre: with two more walls that are far away, all on one line, and with another
+    // wall of 10^50 m.
     let mut random = Random::new(9);
     let tiny = |random: &mut Random, centre: DVec2| {
         let half = random.direction() * 5e-4;

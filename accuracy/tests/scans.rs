@@ -60,7 +60,8 @@ fn direction(heading: f64, sweep: f64, points: u32, ray: u32) -> DVec2 {
     DVec2::new(math::cos(heading + angle), math::sin(heading + angle))
 }
 
-/// Expected readings of a horizontal scan, by brute force over robots, discs and walls that are slightly extended or shortened.
+/// Expected readings of a horizontal scan, by brute force over robots, discs and walls that are slightly extended or
+/// shortened.
 struct Truth<'a> {
     walls: &'a [Segment],
     robots: Vec<Body>,
@@ -193,8 +194,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
     let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
-    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return within 9 m of the
-    // ray.
+    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return
+    // within 9 m of the ray.
     let check_reading = |height: f64, tilt: f64, expected: Option<f64>| {
         let fan = Fan { sweep: 0.0, points: 1, tilt, height, range: 9.0 };
         let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO)[0];
@@ -210,7 +211,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     check_reading(0.1, 0.0, Some(1.0));
     check_reading(0.2, 0.0, Some(2.0));
     check_reading(0.5, 0.0, Some(4.0));
-    // A rising ray from 5 cm passes over the first wall if it rises by more than 5 cm per metre, over the second above 12.5 cm per metre.
+    // A rising ray from 5 cm passes over the first wall if it rises by more than 5 cm per metre, over the second above
+    // 12.5 cm per metre.
     let slope = |rise: f64| math::atan(rise);
     check_reading(0.05, slope(0.049), Some(1.0));
     check_reading(0.05, slope(0.051), Some(2.0));
@@ -218,7 +220,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     check_reading(0.05, slope(2.0), Some(4.0));
     // A horizontal distance of 4 m is 9 m along a ray at 63.6 degrees.
     check_reading(0.05, slope(2.1), None);
-    // A falling ray from 20 cm hits the first wall, or passes over it and hits the second wall or the floor in front of it.
+    // A falling ray from 20 cm hits the first wall, or passes over it and hits the second wall or the floor in front of
+    // it.
     check_reading(0.2, -slope(0.09), Some(2.0));
     check_reading(0.2, -slope(0.0999), Some(2.0));
     check_reading(0.2, -slope(0.1001), Some(1.0));

@@ -119,7 +119,8 @@ fn normals_match_the_distance_and_point_against_the_ray() {
     }
 }
 
-/// World with a wall from (2, -1) to (2, 1), 1 m high, and a thick wall around (5, 0): 0.4 m thick, 2 m long, 0.5 m high.
+/// World with a wall from (2, -1) to (2, 1), 1 m high, and a thick wall around (5, 0): 0.4 m thick, 2 m long, 0.5 m
+/// high.
 fn two_walls() -> World {
     let thin = Segment::new(DVec2::new(2.0, -1.0), DVec2::new(2.0, 1.0));
     let line = Segment::new(DVec2::new(5.0, -1.0), DVec2::new(5.0, 1.0));

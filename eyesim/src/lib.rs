@@ -1,9 +1,9 @@
-//! The command `eyesim` as a library: everything except running programs, for the binary and for other hosts such as the Python
-//! package.
+//! The command `eyesim` as a library: everything except running programs, for the binary and for other hosts such as
+//! the Python package.
 //!
-//! [`cli`] is the command line. Below it, [`suite`] runs the cases of suites in a pool of processes, [`sweep`] and [`grade`] build on
-//! it, [`pack`] reads and writes archives, [`plot`] draws pictures from above, and `window` shows runs in a browser. Programs are run
-//! by [`sim_host`].
+//! [`cli`] is the command line. Below it, [`suite`] runs the cases of suites in a pool of processes, [`sweep`] and
+//! [`grade`] build on it, [`pack`] reads and writes archives, [`plot`] draws pictures from above, and `window` shows
+//! runs in a browser. Programs are run by [`sim_host`].
 
 pub mod cli;
 #[cfg(feature = "grading")]

@@ -420,7 +420,8 @@ impl Write for Search {
                 b'\\' if self.is_text => self.is_escaped = true,
                 b'"' => self.is_text = !self.is_text,
                 _ if self.is_text => {}
-                // `infrareds` is the only name with these letters: a number is followed by punctuation, not by a letter.
+                // `infrareds` is the only name with these letters: a number is followed by punctuation, not by a
+                // letter.
                 b'a'..=b'z' if self.word == *b"inf" => self.word = [0, 0, byte],
                 _ => {
                     self.is_found |= self.word == *b"inf" || self.word == *b"NaN";

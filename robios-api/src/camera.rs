@@ -130,7 +130,8 @@ impl Camera {
         Ok(ColorImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
-    /// Takes a Bayer image of 160 x 120 pixels and waits for it. Rows of green and blue alternate with rows of red and green.
+    /// Takes a Bayer image of 160 x 120 pixels and waits for it. Rows of green and blue alternate with rows of red and
+    /// green.
     #[track_caller]
     pub fn bayer(&self) -> Result<GrayImage> {
         let mut frame = [0; 19200];
@@ -163,7 +164,8 @@ impl Camera {
         checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(numbers[0], numbers[1], numbers[2])))
     }
 
-    /// Current levels, including automatic brightness. If the last setting was a frame rate, these are its three parameters.
+    /// Current levels, including automatic brightness. If the last setting was a frame rate, these are its three
+    /// parameters.
     #[track_caller]
     pub fn levels(&self) -> Result<Levels> {
         let mut numbers = [0; 3];

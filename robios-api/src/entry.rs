@@ -239,8 +239,8 @@ pub(crate) fn report_callback_panic(robot: &Robot, payload: Box<dyn Any + Send>)
 /// Reports the program's failure to the host.
 fn report(robot: &Robot, kind: i32, text: &str) {
     if let Some(tables) = robot.tables() {
-        // SAFETY: the tables are valid until the robot is closed, the text outlives the call, and the result may be null.
-        // The status is ignored: the program ends anyway.
+        // SAFETY: the tables are valid until the robot is closed, the text outlives the call, and the result may be
+        // null. The status is ignored: the program ends anyway.
         let _ = unsafe {
             ((*tables.support).failed)(
                 tables.context,

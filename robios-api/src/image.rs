@@ -94,7 +94,8 @@ pub enum Seen {
     Floor,
     /// A wall.
     Wall,
-    /// The robot or object of this number: robots from 1 on, then the objects, as `SIMGetRobot` and `SIMGetObject` number them.
+    /// The robot or object of this number: robots from 1 on, then the objects, as `SIMGetRobot` and `SIMGetObject`
+    /// number them.
     Body(u16),
 }
 

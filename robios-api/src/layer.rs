@@ -10,8 +10,8 @@ use crate::unit::Length;
 
 /// Shows grids, points and lines in the window and in recordings. Real robots have no such layers.
 ///
-/// A layer belongs to the robot and has a name of 1 to 32 bytes; it replaces the robot's layer of the same name. A robot has at most 16
-/// layers. The data are copied. The simulation is not affected, and no virtual time passes.
+/// A layer belongs to the robot and has a name of 1 to 32 bytes; it replaces the robot's layer of the same name. A
+/// robot has at most 16 layers. The data are copied. The simulation is not affected, and no virtual time passes.
 ///
 /// ```
 /// use robios_api::prelude::*;
@@ -33,7 +33,8 @@ pub struct Layers<'r>(pub(crate) &'r Robot);
 pub enum LayerFrame {
     /// The frame of the world.
     World,
-    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the
+    /// robot's start.
     Odometry,
 }
 
@@ -46,8 +47,8 @@ pub struct LayerGrid<'a> {
     pub cell: Length,
     /// Number of cells along x.
     pub columns: usize,
-    /// The cells, row by row from the smallest y, each row from the smallest x: 0 (free) to 100 (occupied), or [`Self::UNKNOWN`]; at most
-    /// 1,048,576.
+    /// The cells, row by row from the smallest y, each row from the smallest x: 0 (free) to 100 (occupied), or
+    /// [`Self::UNKNOWN`]; at most 1,048,576.
     pub cells: &'a [u8],
 }
 
@@ -95,7 +96,8 @@ impl Layers<'_> {
     /// Shows a grid.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if a row is incomplete or there are too many cells; [`Error::Refused`] if another limit is exceeded.
+    /// [`Error::OutOfRange`] if a row is incomplete or there are too many cells; [`Error::Refused`] if another limit is
+    /// exceeded.
     #[track_caller]
     pub fn grid(&self, name: &str, frame: LayerFrame, grid: &LayerGrid<'_>) -> Result {
         let LayerGrid { corner, cell, columns, cells } = *grid;
@@ -113,8 +115,8 @@ impl Layers<'_> {
     /// Shows points.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for more than 65,536 points; [`Error::Refused`] for a coordinate that is NaN or beyond 1e6 m, or an invalid
-    /// name.
+    /// [`Error::OutOfRange`] for more than 65,536 points; [`Error::Refused`] for a coordinate that is NaN or beyond 1e6
+    /// m, or an invalid name.
     #[track_caller]
     pub fn points<P: LayerPoint>(&self, name: &str, frame: LayerFrame, points: &[P]) -> Result {
         let (count, bytes) = coordinates(points)?;

@@ -144,8 +144,8 @@ impl Legs {
         checked("LEGSetGait", Device::Legs, leg!(&self.robot, LEGSetGait(gait.0.into())))
     }
 
-    /// Walks at this speed until the next command: forward, to the left, and turning, rounded to whole mm/s and degrees/s. A
-    /// speed beyond the capability of the legs is scaled down as a whole.
+    /// Walks at this speed until the next command: forward, to the left, and turning, rounded to whole mm/s and
+    /// degrees/s. A speed beyond the capability of the legs is scaled down as a whole.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the command.

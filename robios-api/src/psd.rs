@@ -38,8 +38,8 @@ pub struct Psd {
     handle: PSDHandle,
 }
 
-/// Polls every 10 ms, for a second at most. It is a macro because calls in a closure would be recorded with a location in
-/// this file.
+/// Polls every 10 ms, for a second at most. It is a macro because calls in a closure would be recorded with a location
+/// in this file.
 macro_rules! poll {
     ($robot:expr, $device:expr, $is_ready:expr) => {
         'poll: {
@@ -148,8 +148,8 @@ impl Psd {
         RawDistance(raw.clamp(0, 255) as u8)
     }
 
-    /// Signal underlying the distance of the last complete cycle; `None` if nothing has been measured. An extension of this
-    /// simulator.
+    /// Signal underlying the distance of the last complete cycle; `None` if nothing has been measured. An extension of
+    /// this simulator.
     #[track_caller]
     pub fn signal(&self) -> Option<Signal> {
         Signal::from_robios(robios!(&self.robot, PSDGetSignal(self.handle)))

@@ -153,7 +153,8 @@ impl Radio {
     /// Sends a message to one robot; does not wait. Success does not mean that the message arrives.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes; [`Error::Refused`] with 1 while the radio's send buffer is full.
+    /// [`Error::OutOfRange`] for more than [`MAX_MESSAGE`] bytes; [`Error::Refused`] with 1 while the radio's send
+    /// buffer is full.
     #[track_caller]
     pub fn send(&self, to: RobotNumber, bytes: &[u8]) -> Result {
         if bytes.len() > MAX_MESSAGE {

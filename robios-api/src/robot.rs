@@ -27,7 +27,8 @@ pub struct Robot(pub(crate) Rc<Inner>);
 
 /// State shared by all clones of a task's robot and its devices.
 pub(crate) struct Inner {
-    /// `None` once the task has ended: calls of a device that outlives the task, for example in a thread-local variable, then do nothing.
+    /// `None` once the task has ended: calls of a device that outlives the task, for example in a thread-local
+    /// variable, then do nothing.
     tables: Cell<Option<Tables>>,
     is_stopped: Cell<bool>,
     pub(crate) robios7: DeviceSettings,
@@ -46,8 +47,8 @@ pub(crate) struct ProgramState {
     pub(crate) failure: OnceLock<i32>,
 }
 
-/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so it is never half
-/// done.
+/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so it
+/// is never half done.
 pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -63,8 +64,8 @@ pub(crate) struct Tables {
     pub context: *mut c_void,
 }
 
-// SAFETY: the tables are constant, and the context is only passed back to the host, which accepts calls from every task of
-// its robot.
+// SAFETY: the tables are constant, and the context is only passed back to the host, which accepts calls from every task
+// of its robot.
 unsafe impl Send for Tables {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Tables {}
@@ -76,8 +77,8 @@ impl Robot {
     /// Creates the robot of `main`.
     ///
     /// # Safety
-    /// `host` and `context` are the arguments of the program's `run`, only functions of the program's generation are called, and
-    /// [`close`](Self::close) is called before `run` returns.
+    /// `host` and `context` are the arguments of the program's `run`, only functions of the program's generation are
+    /// called, and [`close`](Self::close) is called before `run` returns.
     pub(crate) unsafe fn new(
         host: *const Host,
         context: *mut c_void,
@@ -124,8 +125,8 @@ impl Robot {
 
     /// Unwinds the program unless the status is [`Status::OK`].
     ///
-    /// During unwinding (a call in a `drop`) a second unwinding would abort the host: the call then returns a result of 0
-    /// instead.
+    /// During unwinding (a call in a `drop`) a second unwinding would abort the host: the call then returns a result of
+    /// 0 instead.
     pub(crate) fn unwind_if_stopped(&self, status: Status) {
         if status != Status::OK {
             self.0.is_stopped.set(true);
@@ -135,8 +136,8 @@ impl Robot {
         }
     }
 
-    /// Records the location of a call. After the first call that was answered with [`Status::STOP`] the location is kept:
-    /// calls made while the program unwinds do not replace it.
+    /// Records the location of a call. After the first call that was answered with [`Status::STOP`] the location is
+    /// kept: calls made while the program unwinds do not replace it.
     pub(crate) fn record_call_site(&self, location: &'static Location<'static>) {
         if !self.0.is_stopped.get() {
             self.0.common.call_site.record(location);

@@ -81,8 +81,8 @@ impl Robot {
 }
 
 impl Bumper {
-    /// Time of the first contact since the last check, measured from the robot's start, to a hundredth of a second; `None`
-    /// without contact.
+    /// Time of the first contact since the last check, measured from the robot's start, to a hundredth of a second;
+    /// `None` without contact.
     #[track_caller]
     pub fn bumped(&self) -> Option<Duration> {
         let mut hundredths = 0;

@@ -25,8 +25,8 @@ pub const EXIT_ABORTED: c_int = 134;
 /// Result of [`Program::run`] of a Rust program after a panic, as in the Rust run time.
 pub const EXIT_PANICKED: c_int = 101;
 
-/// Tags that replace `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` in a library's dynamic section: the dynamic linker ignores them, and
-/// [`Program::run`] calls the constructors as a part of the program.
+/// Tags that replace `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` in a library's dynamic section: the dynamic linker ignores
+/// them, and [`Program::run`] calls the constructors as a part of the program.
 pub const CONSTRUCTOR_TAGS: [u32; 2] = [0x6579_0001, 0x6579_0002];
 
 /// Status of a call: the program continues or must end.
@@ -118,8 +118,8 @@ pub mod flag {
 pub type Run =
     unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
 
-/// Location of the program's call in progress. The shim writes it before each call, and the host reads it to report where a
-/// program waits.
+/// Location of the program's call in progress. The shim writes it before each call, and the host reads it to report
+/// where a program waits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallSite {
@@ -143,8 +143,8 @@ impl CallSite {
     pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
 }
 
-/// Unfinished line that a program has printed to a stream and that its shim has not passed on yet. The host reads it if the
-/// program crashes.
+/// Unfinished line that a program has printed to a stream and that its shim has not passed on yet. The host reads it if
+/// the program crashes.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Console {
@@ -172,21 +172,23 @@ pub struct Program {
     pub flags: u32,
     /// One of [`language`].
     pub language: u32,
-    /// Size of the [`SupportTable`] known to the program, in bytes. A host with a smaller table must refuse the program.
+    /// Size of the [`SupportTable`] known to the program, in bytes. A host with a smaller table must refuse the
+    /// program.
     pub support_size: u32,
     /// Size of the RoBIOS table known to the program, in bytes. A host with a smaller table must refuse the program.
     pub robios_size: u32,
     /// Runs the program.
     pub run: Run,
-    /// Call site of the program in this copy of the library; null if its shim does not record it. Read only while the program
-    /// is suspended in a call.
+    /// Call site of the program in this copy of the library; null if its shim does not record it. Read only while the
+    /// program is suspended in a call.
     pub call_site: *const CallSite,
-    /// Console streams of the program in this copy of the library, standard output and standard error; null if its shim collects no text.
-    /// Read by [`Program::consoles`].
+    /// Console streams of the program in this copy of the library, standard output and standard error; null if its shim
+    /// collects no text. Read by [`Program::consoles`].
     consoles: *const [Console; 2],
 }
 
-// SAFETY: the pointers lead to variables of the image in which this constant lies; they are read only as their docs say.
+// SAFETY: the pointers lead to variables of the image in which this constant lies; they are read only as their docs
+// say.
 unsafe impl Sync for Program {}
 // SAFETY: as for `Sync`.
 unsafe impl Send for Program {}
@@ -217,7 +219,8 @@ impl Program {
         }
     }
 
-    /// Address of the program's console streams, two values of [`Console`]; 0 if it has none. The program may have overwritten them.
+    /// Address of the program's console streams, two values of [`Console`]; 0 if it has none. The program may have
+    /// overwritten them.
     pub fn consoles(&self) -> usize {
         if self.size as usize >= size_of::<Self>() { self.consoles.addr() } else { 0 }
     }

@@ -1,7 +1,7 @@
 //! Kinds of parameters of a call: their form in the ABI, and their form for the host's method.
 //!
 //! A program's pointer is dereferenced only while the host's method does not run: inputs are copied before it starts,
-//! outputs are written after it has returned. A wild pointer thus faults while the host holds no lock, and the host
+//! outputs are written after it has returned. A wild pointer thus crashes the program while the host holds no lock, and the host
 //! keeps no pointer of a program.
 
 use std::ffi::c_void;
@@ -535,7 +535,8 @@ fn get_capacity(reader: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
 /// Buffer for numbers: [`ByteBuffer`] with a capacity of `len` numbers in the ABI; the host gets `&mut OutNumbers` and
 /// [sets](Self::set) them. The lists of functions use [`OutInts`] and [`OutFloats`].
 ///
-/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is unchanged.
+/// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is
+/// unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutNumbers<T> {
     is_null: bool,
@@ -657,7 +658,8 @@ impl Callback {
     /// callback, and the host holds no lock that a call needs.
     pub unsafe fn call(self) -> Result<(), Stop> {
         let Some(code) = self.code else { return Ok(()) };
-        // SAFETY: the caller vouches for the time and the thread; the shim that made the pair vouches for code and data.
+        // SAFETY: the caller vouches for the time and the thread; the shim that made the pair vouches for code and
+        // data.
         if unsafe { code(self.data) } == Status::OK { Ok(()) } else { Err(Stop) }
     }
 }

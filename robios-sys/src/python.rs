@@ -121,7 +121,8 @@ fn definition(function: &Function) -> String {
         }
     };
     let doc = function.doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join("\n    ");
-    // Values that C writes through pointers are returned instead of the status, unless the program passes ctypes values for them.
+    // Values that C writes through pointers are returned instead of the status, unless the program passes ctypes values
+    // for them.
     let doc = if outs.is_empty() { doc } else { doc.split(" Returns ").next().unwrap_or_default().to_owned() };
     format!("def {name}({signature}):\n    \"\"\"{doc}\"\"\"\n    {body}")
 }

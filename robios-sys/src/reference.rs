@@ -1,7 +1,8 @@
-//! Reference pages of both generations, generated from the lists of functions and constants and from the examples of each family.
+//! Reference pages of both generations, generated from the lists of functions and constants and from the examples of
+//! each family.
 //!
-//! The doc of a function has a fixed order: sentences that describe what it does; one clause for each parameter, `name: text.`, or
-//! `name, name: text.`; `Returns ...`. A parameter without a clause is described by its type.
+//! The doc of a function has a fixed order: sentences that describe what it does; one clause for each parameter,
+//! `name: text.`, or `name, name: text.`; `Returns ...`. A parameter without a clause is described by its type.
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,5 @@
-//! Services of the host, independent of the RoBIOS generation: console, random numbers, virtual time and the end of the program for
-//! the run time of its language, and layers that the program shows in the window.
+//! Services of the host, independent of the RoBIOS generation: console, random numbers, virtual time and the end of the
+//! program for the run time of its language, and layers that the program shows in the window.
 
 use crate::param::{Bytes, Callback, OutBytes, Text};
 
@@ -71,7 +71,8 @@ pub mod wait {
 pub mod layer {
     /// The frame of the world.
     pub const WORLD: i32 = 0;
-    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the
+    /// robot's start.
     pub const ODOMETRY: i32 = 1;
     /// Cell that is certainly occupied; 0 is certainly free. Source: `nav_msgs/OccupancyGrid` of ROS.
     pub const OCCUPIED: u8 = 100;
@@ -99,10 +100,12 @@ crate::table::function_table! {
         fn console(stream: i32, bytes: Bytes) -> i32 = 0;
 
         /// The next 64 random bits of the robot's stream for a purpose.
-        /// Depends only on the run's seed, the robot, the purpose, the last `seed` for it and the number of bits drawn since.
+        /// Depends only on the run's seed, the robot, the purpose, the last `seed` for it and the number of bits drawn
+        /// since.
         fn random(purpose: u32) -> u64 = 0;
 
-        /// Restarts the robot's stream for a purpose at a position derived from the seed; other robots get other numbers. Returns 0.
+        /// Restarts the robot's stream for a purpose at a position derived from the seed; other robots get other
+        /// numbers. Returns 0.
         fn seed(purpose: u32, seed: u64) -> i32 = 0;
 
         /// The robot's virtual time in microseconds, 0 at its start.
@@ -112,9 +115,10 @@ crate::table::function_table! {
         /// Lets virtual time pass, in microseconds; none for a negative span. Returns 0.
         fn sleep_us(span_us: i64) -> i32 = 0;
 
-        /// Reports that the program has failed and will return from `run` next: kind of the failure and message for the user.
-        /// The message of a failed assertion is `file:line: function: text`. `stack` has return addresses of the calls in progress, the
-        /// innermost first, each of the size of a pointer; it is empty if they are not known. Returns 0.
+        /// Reports that the program has failed and will return from `run` next: kind of the failure and message for the
+        /// user. The message of a failed assertion is `file:line: function: text`. `stack` has return addresses of the
+        /// calls in progress, the innermost first, each of the size of a pointer; it is empty if they are not known.
+        /// Returns 0.
         fn failed(kind: i32, text: Text, stack: Bytes) -> i32 = 0;
 
         /// Name of the program's sources without folder and extension, not terminated by 0.
@@ -125,16 +129,17 @@ crate::table::function_table! {
         /// Costs virtual time like any call, so that operations between tasks do.
         fn task_self() -> i32 = 1;
 
-        /// Starts a task of the robot at the end of its run queue: when first scheduled it calls `code`, once, on its own thread.
-        /// Tasks switch at the first call that ends at or after a tick of 10 ms, and when the running task waits. Only one runs at a
-        /// time. When `code` returns STOP, the whole program ends. No time passes. Returns the task's number, 0 when the robot has
-        /// too many tasks.
+        /// Starts a task of the robot at the end of its run queue: when first scheduled it calls `code`, once, on its
+        /// own thread. Tasks switch at the first call that ends at or after a tick of 10 ms, and when the running task
+        /// waits. Only one runs at a time. When `code` returns STOP, the whole program ends. No time passes. Returns
+        /// the task's number, 0 when the robot has too many tasks.
         fn task_spawn(code: Callback) -> i32 = 0;
 
-        /// Appends the calling task to the queue `key`; other tasks run until it is woken there or the virtual time `deadline_us`
-        /// is reached. `kind` (see `wait`) and `holder`, the task that has the awaited resource or 0 if there is none, are for
-        /// messages. No other time passes. Returns 1 if the task was woken, 0 at the deadline.
-        /// The status is STOP also when `task_interrupt` has ended this wait or any other: then later calls of the program still work.
+        /// Appends the calling task to the queue `key`; other tasks run until it is woken there or the virtual time
+        /// `deadline_us` is reached. `kind` (see `wait`) and `holder`, the task that has the awaited resource or 0 if
+        /// there is none, are for messages. No other time passes. Returns 1 if the task was woken, 0 at the deadline.
+        /// The status is STOP also when `task_interrupt` has ended this wait or any other: then later calls of the
+        /// program still work.
         fn task_wait(key: u64, kind: i32, holder: i32, deadline_us: i64) -> i32 = 0;
 
         /// Wakes the task that has waited longest in the queue `key`. The caller runs on, no time passes.
@@ -151,41 +156,41 @@ crate::table::function_table! {
         /// Lets the other tasks that are ready run first. Costs virtual time like any call. Returns 0.
         fn task_yield() -> i32 = 0;
 
-        /// Lets the other tasks that are ready run first if a tick has passed since the calling task was resumed. No time passes.
-        /// Used by the shim after a section in which tasks must not switch. Returns 0.
+        /// Lets the other tasks that are ready run first if a tick has passed since the calling task was resumed. No
+        /// time passes. Used by the shim after a section in which tasks must not switch. Returns 0.
         fn task_turn() -> i32 = 0;
 
         /// Reads from standard input: the rest of the current line with its end, at most as many bytes as fit.
         /// Waits for a line while the input is interactive. Returns the number of bytes, 0 at the end of the input.
         fn input(bytes: OutBytes) -> i32 = 0;
 
-        /// Records that the program could not open the file of this name, with the system's error number, so that a later null-pointer
-        /// fault can be explained. No time passes. Returns 0.
+        /// Records that the program could not open the file of this name, with the system's error number, so that a
+        /// later null-pointer fault can be explained. No time passes. Returns 0.
         fn open_failed(name: Text, error: i32) -> i32 = 0;
 
         /// Reports a likely mistake in the program as a hint, once for each call site. No time passes. Returns 0.
         fn hint(text: Text) -> i32 = 0;
 
-        /// Like `open_failed`, for a failure that the program does not see, such as that of a `std::ifstream`: it is reported
-        /// immediately. `stack` is as for `failed`. No time passes. Returns 0.
+        /// Like `open_failed`, for a failure that the program does not see, such as that of a `std::ifstream`: it is
+        /// reported immediately. `stack` is as for `failed`. No time passes. Returns 0.
         fn open_failed_at(name: Text, error: i32, stack: Bytes) -> i32 = 0;
 
         /// Like `console`, for the text after the last line end of a program that crashes. No time passes. Returns 0.
         fn unfinished(stream: i32, bytes: Bytes) -> i32 = 0;
 
-        /// Reports where the program has just read at the end of its standard input, if the call site is not in its own code, as with
-        /// `std::cin`. `stack` is as for `failed`. No time passes. Returns 0.
+        /// Reports where the program has just read at the end of its standard input, if the call site is not in its own
+        /// code, as with `std::cin`. `stack` is as for `failed`. No time passes. Returns 0.
         fn read_at_end(stack: Bytes) -> i32 = 0;
 
-        /// Shows a grid as the robot's layer of this name, in place of an earlier one: in the window, below the robots, and in a
-        /// recording. `frame` is one of `layer`. The grid's corner with the smallest coordinates is at (`x_m`, `y_m`), its cells are
-        /// squares of `cell_m`. `cells` has a byte for each, row by row from the smallest y, each row from the smallest x: 0 (free)
-        /// to 100 (occupied), or 255 (unknown). The simulation is not affected, and no time passes. Returns 0; 1, with a hint, if an
-        /// argument is beyond the limits of `layer` or no number.
+        /// Shows a grid as the robot's layer of this name, in place of an earlier one: in the window, below the robots,
+        /// and in a recording. `frame` is one of `layer`. The grid's corner with the smallest coordinates is at (`x_m`,
+        /// `y_m`), its cells are squares of `cell_m`. `cells` has a byte for each, row by row from the smallest y, each
+        /// row from the smallest x: 0 (free) to 100 (occupied), or 255 (unknown). The simulation is not affected, and
+        /// no time passes. Returns 0; 1, with a hint, if an argument is beyond the limits of `layer` or no number.
         fn show_grid(name: Text, frame: i32, x_m: f64, y_m: f64, cell_m: f64, columns: i32, rows: i32, cells: Bytes) -> i32 = 1;
 
-        /// Like `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and y, or x, y and z,
-        /// of each point. Without points the layer is empty.
+        /// Like `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and
+        /// y, or x, y and z, of each point. Without points the layer is empty.
         fn show_points(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
 
         /// Like `show_points`, for a line through the points, such as a path or a profile of the ground.

@@ -38,8 +38,8 @@ pub trait CallContext {
         let _ = record;
     }
 
-    /// Handles a call to function `index` of the list with number `table` if the host forbids this function. Returns true if the host
-    /// forbids it: the call then fails as documented, without any effect.
+    /// Handles a call to function `index` of the list with number `table` if the host forbids this function. Returns
+    /// true if the host forbids it: the call then fails as documented, without any effect.
     ///
     /// # Errors
     /// [`Stop`] when the program must end.
@@ -131,8 +131,8 @@ pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static 
     if let [first, ..] = elements { Some(*first) } else { None }
 }
 
-/// Runs `method` of the host and catches its panic, which must not cross the ABI. Without type parameters, so that it is
-/// compiled only once.
+/// Runs `method` of the host and catches its panic, which must not cross the ABI. Without type parameters, so that it
+/// is compiled only once.
 #[inline]
 pub(crate) fn caught(method: &mut dyn FnMut()) -> std::thread::Result<()> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(method))
@@ -183,9 +183,9 @@ macro_rules! function_table {
     ) => {
         $(#[$table_attribute])*
         ///
-        /// Each entry is a C function `(robot, arguments..., result) -> Status`: `robot` is the argument of the program's
-        /// `run`, `result` is written unless the status is `STOP` and may be null. Callable from any task of the
-        /// robot, on the thread that runs it, also from within a callback. No pointer is kept after the return.
+        /// Each entry is a C function `(robot, arguments..., result) -> Status`: `robot` is the argument of the
+        /// program's `run`, `result` is written unless the status is `STOP` and may be null. Callable from any task of
+        /// the robot, on the thread that runs it, also from within a callback. No pointer is kept after the return.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[repr(C)]
         pub struct $Table {
@@ -230,9 +230,9 @@ macro_rules! function_table {
 
         /// The host's side of the table: one method per function, named as in C.
         ///
-        /// The methods take `&self`: a callback makes calls while the interrupted call is in progress. They must not hold a
-        /// lock across a wait or a callback. Methods that are not implemented return the documented failure, after
-        /// [`CallContext::unavailable`](crate::table::CallContext::unavailable).
+        /// The methods take `&self`: a callback makes calls while the interrupted call is in progress. They must not
+        /// hold a lock across a wait or a callback. Methods that are not implemented return the documented failure,
+        /// after [`CallContext::unavailable`](crate::table::CallContext::unavailable).
         ///
         /// # Errors
         /// Every method returns [`Stop`](crate::Stop) when the program must end, and only then.
@@ -273,8 +273,8 @@ macro_rules! function_table {
             /// outputs and result to `reply`, unless the status is `STOP`.
             ///
             /// # Errors
-            /// [`Malformed`](crate::wire::Malformed) if the arguments do not fit the function's parameters; no call is made
-            /// then.
+            /// [`Malformed`](crate::wire::Malformed) if the arguments do not fit the function's parameters; no call is
+            /// made then.
             pub fn serve(
                 self,
                 host: &dyn $Trait,
@@ -371,8 +371,8 @@ macro_rules! function_table {
             use $crate::param::Param;
             $($(
                 /// # Safety
-                /// `robot` is the pointer that the host has passed to the program's `run`; every other pointer is null or valid
-                /// as its kind requires.
+                /// `robot` is the pointer that the host has passed to the program's `run`; every other pointer is null
+                /// or valid as its kind requires.
                 pub unsafe extern "C" fn $name<H: $Trait>(
                     robot: *mut ::std::ffi::c_void,
                     $($parameter: <$kind as Param>::Abi,)*

@@ -1,4 +1,5 @@
-//! Encoding of calls as bytes, for programs in separate processes: little endian, without padding, outputs before the result.
+//! Encoding of calls as bytes, for programs in separate processes: little endian, without padding, outputs before the
+//! result.
 //!
 //! The layout of each kind of parameter is in `docs/protocol.md`. This module neither waits nor maps memory: on the
 //! program's side a [`HostConnection`] carries a request to the host and returns the reply.
@@ -36,7 +37,8 @@ pub trait HostConnection {
     where
         Self: Sized;
 
-    /// Sends a call with its arguments and returns the bytes of the reply. The host may call back into the program meanwhile.
+    /// Sends a call with its arguments and returns the bytes of the reply. The host may call back into the program
+    /// meanwhile.
     ///
     /// # Errors
     /// [`Stop`] when the program must end.

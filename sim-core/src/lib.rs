@@ -1,8 +1,8 @@
 //! Simulation of mobile robots as a pure library: no files, threads, clock or `unsafe`, and independent of RoBIOS.
 //!
 //! [`Simulation`](simulation::Simulation) is a whole simulation as one value: the owner steps it, commands its robots,
-//! reads their devices, renders the images of their cameras, clones it as a snapshot and restores it. The parts can be used
-//! on their own: a [`world`] of bodies, the motion of a [`drive`](mod@drive), a [`sensor`], a [`camera`], the
+//! reads their devices, renders the images of their cameras, clones it as a snapshot and restores it. The parts can be
+//! used on their own: a [`world`] of bodies, the motion of a [`drive`](mod@drive), a [`sensor`], a [`camera`], the
 //! [`device`]s of a robot.
 //!
 //! The library uses SI units and `f64` throughout, with the frames and signs of `docs/conventions.md`. Millimetres and

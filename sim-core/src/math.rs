@@ -65,8 +65,8 @@ pub fn ln_1p(x: f64) -> f64 {
     libm::log1p(x)
 }
 
-/// 1 - erf(x), without cancellation for large x. For x >= 0 this is the probability that a standard normal number exceeds
-/// sqrt(2) x in absolute value.
+/// 1 - erf(x), without cancellation for large x. For x >= 0 this is the probability that a standard normal number
+/// exceeds sqrt(2) x in absolute value.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)
 }

@@ -10,14 +10,15 @@ pub trait Pool {
     /// Returns true if a loop over this number of sections is to run on several threads.
     fn is_parallel(&self, sections: usize) -> bool;
 
-    /// Calls `act` once for each number less than `sections`, in any order and in parallel. Returns when all calls have returned.
+    /// Calls `act` once for each number less than `sections`, in any order and in parallel. Returns when all calls have
+    /// returned.
     fn run(&self, sections: usize, act: &(dyn Fn(usize) + Sync));
 }
 
 // A pool is passed as `&dyn Pool`: the functions that use it are compiled once, in this crate.
 impl dyn Pool + '_ {
-    /// Calls `act` once for each section of `items`, in any order and in parallel. A section has [`SECTION`] items; the last one may have
-    /// fewer. Returns when all calls have returned.
+    /// Calls `act` once for each section of `items`, in any order and in parallel. A section has [`SECTION`] items; the
+    /// last one may have fewer. Returns when all calls have returned.
     fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
         let count = items.len().div_ceil(SECTION);
         if !self.is_parallel(count) {
@@ -49,8 +50,8 @@ impl Pool for Serial {
     }
 }
 
-/// An empty vector of another type that reuses the memory of `spare` if the elements have the same layout. With it, a vector of references
-/// that is needed in each slot does not allocate.
+/// An empty vector of another type that reuses the memory of `spare` if the elements have the same layout. With it, a
+/// vector of references that is needed in each slot does not allocate.
 pub fn reuse<T, U>(mut spare: Vec<T>) -> Vec<U> {
     spare.clear();
     // The standard library reuses the memory of `spare` for this `collect`.

@@ -1,7 +1,8 @@
 //! Sorting of short lists.
 
-/// Sorts a list of few elements, or one that is almost sorted, by `key`, and keeps the order of elements with equal keys (insertion sort). The sort of the
-/// standard library is several kilobytes of code for each type of element, which a short list does not need.
+/// Sorts a list of few elements, or one that is almost sorted, by `key`, and keeps the order of elements with equal
+/// keys (insertion sort). The sort of the standard library is several kilobytes of code for each type of element, which
+/// a short list does not need.
 pub(crate) fn sort_few<T, K: Ord>(list: &mut [T], key: impl Fn(&T) -> K) {
     for end in 1..list.len() {
         let mut index = end;

@@ -170,7 +170,8 @@ fn a_sonar_detects_the_nearest_mirror_that_faces_it() {
     }
 }
 
-/// A practically infinite wall, `distance` ahead of the origin, whose normal is turned by `angle` from the line of sight.
+/// A practically infinite wall, `distance` ahead of the origin, whose normal is turned by `angle` from the line of
+/// sight.
 fn oblique_wall(distance: f64, angle: f64, surface: Surface) -> World {
     let (sin, cos) = math::sin_cos(angle);
     let (middle, along) = (DVec2::new(distance, 0.0), DVec2::new(-sin, cos));

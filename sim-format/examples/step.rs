@@ -21,7 +21,8 @@ y_mm = 1500
 noise = "real"
 "#;
 
-/// Drives straight ahead at `v` m/s until an obstacle is nearer than 0.4 m, at most 10 s; returns the time and the robot's x.
+/// Drives straight ahead at `v` m/s until an obstacle is nearer than 0.4 m, at most 10 s; returns the time and the
+/// robot's x.
 fn drive(simulation: &mut Simulation, v: f64) -> (Time, f64) {
     let robot = RobotId(1);
     simulation.command(robot, Command::Twist(Twist::new(v, 0.0))).expect("the robot drives");

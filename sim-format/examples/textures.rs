@@ -1,4 +1,5 @@
-//! Draws the images of floors and terrains in `worlds/textures`: `cargo run -p sim-format --example textures` in the repository root.
+//! Draws the images of floors and terrains in `worlds/textures`: `cargo run -p sim-format --example textures` in the
+//! repository root.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -125,7 +126,8 @@ fn track() -> RgbImage {
     floor(SIZE, 0.0025, |at| if distance(at) < HALF { [24, 24, 28] } else { [232, 229, 220] })
 }
 
-/// A road of two lanes, 400 mm each, around a lawn of 6 x 4 m: white lines at its edges, dashes of 200 mm between the lanes.
+/// A road of two lanes, 400 mm each, around a lawn of 6 x 4 m: white lines at its edges, dashes of 200 mm between the
+/// lanes.
 fn road() -> RgbImage {
     const CENTRE: DVec2 = DVec2::new(3.0, 2.0);
     /// Half sizes of the rounded rectangle in the middle of the road, and the radius of its corners.

@@ -151,10 +151,11 @@ fn overlapped_bodies(bodies: &[Body]) -> Vec<Option<usize>> {
     bodies.iter().enumerate().map(find_first).collect()
 }
 
-/// Earlier bodies by the cells of their centres. Bodies of similar size share a grid, whose cells are about as large as the bodies.
+/// Earlier bodies by the cells of their centres. Bodies of similar size share a grid, whose cells are about as large as
+/// the bodies.
 ///
-/// The search stops at the first overlap, so the cost of a body does not depend on the number of bodies, even if all are at the same
-/// position.
+/// The search stops at the first overlap, so the cost of a body does not depend on the number of bodies, even if all
+/// are at the same position.
 #[derive(Default)]
 struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
 

@@ -44,8 +44,8 @@ macro_rules! codes {
     };
 }
 
-// Codes in alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, otherwise compilation fails; the page's third line
-// repeats the meaning, and tests/codes.rs runs its examples.
+// Codes in alphabetical order. A new code needs its page, docs/formats/codes/CODE.md, otherwise compilation fails; the
+// page's third line repeats the meaning, and tests/codes.rs runs its examples.
 codes! {
     CheckBody = "check-body": "a check names a robot or an object that does not exist",
     CheckFunction = "check-function": "a check counts calls of an unknown function",

@@ -19,8 +19,8 @@ const MAX_LISTED: usize = 32;
 
 /// Reads the companion `text` of a robi into `robi`; its values override those of the robi.
 ///
-/// `file` is the companion's name. Unknown keys give a warning; a value of the wrong type or out of range is an error, and
-/// the default applies.
+/// `file` is the companion's name. Unknown keys give a warning; a value of the wrong type or out of range is an error,
+/// and the default applies.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
     let (mut reader, root) = Reader::parse(file, text);
     reader.table(Section::root(&root), |keys| {

@@ -18,7 +18,8 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.noise.iter_mut().for_each(clear_noise_spans);
         robot.span = Span::default();
         robot.line.clear();
-        // The dialect is only a hint at the generation of a program. It is not compared, because formats state it differently.
+        // The dialect is only a hint at the generation of a program. It is not compared, because formats state it
+        // differently.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {

@@ -1,4 +1,5 @@
-//! Conversion between file formats: scenes between `.sim` and TOML; worlds, mazes and types to sections of TOML and back.
+//! Conversion between file formats: scenes between `.sim` and TOML; worlds, mazes and types to sections of TOML and
+//! back.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
@@ -53,7 +54,8 @@ pub struct Converted {
 pub struct ConvertOptions {
     /// Seed with which random values of a scene are drawn, instead of the scene's seed.
     pub seed: Option<u64>,
-    /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, which overrides the file.
+    /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, which overrides the
+    /// file.
     pub maze_cell: Option<f64>,
     /// Side of the cells of a map that is made from walls, in metres.
     pub map_cell: Option<f64>,
@@ -182,8 +184,8 @@ impl FileFormat {
 
 /// Converts the file `from` to one named `to`, whose extension selects the format.
 ///
-/// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute. Writes no
-/// files.
+/// References are rewritten for the folder of `to`; both names must be relative to the working folder or both absolute.
+/// Writes no files.
 pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
     convert_with(from, to, ConvertOptions::default(), files, &|_, _| None)
 }

@@ -65,8 +65,8 @@ impl<'a> Line<'a> {
         Span { start: self.start, end: self.start + self.text.len(), line: self.number, column: 1 }
     }
 
-    /// Words of the line, separated by blanks and tabs; `"..."` and `'...'` are one word each. A comment begins with `;`, or
-    /// with `#` at the start of a word. Words beyond [`MAX_WORDS`], more than any format needs, are ignored.
+    /// Words of the line, separated by blanks and tabs; `"..."` and `'...'` are one word each. A comment begins with
+    /// `;`, or with `#` at the start of a word. Words beyond [`MAX_WORDS`], more than any format needs, are ignored.
     pub(super) fn words(&self) -> Vec<Word<'a>> {
         let mut words = Vec::new();
         let mut characters = self.text.char_indices().zip(1..).peekable();

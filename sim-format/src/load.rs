@@ -123,11 +123,11 @@ impl Loaded {
     }
 }
 
-/// Loads a scene (in TOML if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files that it refers
-/// to. Does not search for programs and meshes.
+/// Loads a scene (in TOML if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files
+/// that it refers to. Does not search for programs and meshes.
 ///
-/// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once for all robots or objects
-/// that use it. Robots and objects that start inside other bodies cause a warning.
+/// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once for
+/// all robots or objects that use it. Robots and objects that start inside other bodies cause a warning.
 pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
     load_scene_with(path, Overrides::default(), files)
 }
@@ -403,7 +403,8 @@ impl<'a> Loader<'a> {
         text
     }
 
-    /// Path and content of the file that `reference` in `file` refers to; if it does not exist, an error lists all paths tried.
+    /// Path and content of the file that `reference` in `file` refers to; if it does not exist, an error lists all
+    /// paths tried.
     pub(super) fn find(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<(String, Vec<u8>)> {
         self.find_or(Severity::Error, file, folder, reference)
     }
@@ -499,7 +500,8 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// Reads the world that the sim file refers to. Without a reference, it is a default world or, with an error, `None`.
+    /// Reads the world that the sim file refers to. Without a reference, it is a default world or, with an error,
+    /// `None`.
     fn find_world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         if let Some(world) = &sim.inline.world {
             return Some(world.clone());

@@ -23,7 +23,8 @@ use sim_core::unit;
 /// Rules for the size of a maze's cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellRules {
-    /// EyeSim version for which the maze was drawn; if it is `None`, a size that not every EyeSim reads causes a warning.
+    /// EyeSim version for which the maze was drawn; if it is `None`, a size that not every EyeSim reads causes a
+    /// warning.
     pub dialect: Option<Dialect>,
     /// Side of the cells in metres, which overrides the file.
     pub cell: Option<f64>,
@@ -102,8 +103,8 @@ impl ContestMaze {
 
 /// Reads a maze file, in which the last or the first line contains only the size of its cells.
 ///
-/// `file` is the name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border. Adjacent wall
-/// pieces on one line are merged, so that walls have no joints inside.
+/// `file` is the name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper
+/// border. Adjacent wall pieces on one line are merged, so that walls have no joints inside.
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     read_maze_with(file, text, CellRules::default())
 }
@@ -295,8 +296,8 @@ fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + 
     characters.map(move |((byte, character), column)| (column, character, line.character_span(byte, column + 1)))
 }
 
-/// Characters of a row without its comment. A comment begins at `;` or `#`, unless only blanks and walls follow: then the
-/// character stands in a cell.
+/// Characters of a row without its comment. A comment begins at `;` or `#`, unless only blanks and walls follow: then
+/// the character stands in a cell.
 fn drawing_characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
     let is_comment = |(byte, character): &(usize, char)| {
         let rest = line.text[byte + character.len_utf8()..].trim_end();
@@ -387,7 +388,8 @@ impl Drawing {
         Self { columns, ..Self::new(Grid::USUAL) }
     }
 
-    /// Warns about the first gap in the border of a maze with `rows` rows, if more than three quarters of it are closed.
+    /// Warns about the first gap in the border of a maze with `rows` rows, if more than three quarters of it are
+    /// closed.
     fn check_border(&self, sink: &mut Sink, rows: u32, span_of_row: impl Fn(u32) -> Span) {
         let vertical: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
         let horizontal: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
@@ -470,8 +472,8 @@ fn object_line(name: &str, pose: Pose, span: Span) -> ObjectLine {
     ObjectLine { kind: TypeRef::Name(SpannedText { text: name.to_owned(), span }), pose, span, ..ObjectLine::default() }
 }
 
-/// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after the
-/// last, span of the first).
+/// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after
+/// the last, span of the first).
 fn merge_runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
     pieces
         .chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= 1)

@@ -37,8 +37,8 @@ pub(super) struct PlacedEntities {
     pub(super) may_retry: bool,
 }
 
-/// Places all entities of `sim`, whose file is in `folder`, and of its world. `world` is `None` if the world is missing,
-/// which is already reported. Random positions depend on the number of the `attempt`.
+/// Places all entities of `sim`, whose file is in `folder`, and of its world. `world` is `None` if the world is
+/// missing, which is already reported. Random positions depend on the number of the `attempt`.
 pub(super) fn place(
     loader: &mut Loader<'_>,
     sim: &SimSpec,
@@ -89,7 +89,8 @@ pub(super) fn place(
     PlacedEntities { robots: placer.robots, objects: placer.objects, world_object_count, walls, drawn, may_retry }
 }
 
-/// Raises the objects that float in water of this depth, in metres; objects that share a type still share one afterwards.
+/// Raises the objects that float in water of this depth, in metres; objects that share a type still share one
+/// afterwards.
 fn float_objects(objects: &mut [ObjectSpec], depth: f64) {
     // The keys are addresses, so the map must never be iterated; its values keep the types alive.
     let mut types = BTreeMap::new();
@@ -272,7 +273,8 @@ impl Placer<'_> {
         self.has_robots = !members.is_empty();
     }
 
-    /// Type of the robot of a line: `Some(None)` if the type is missing, which is already reported; `None` if the line places no robot.
+    /// Type of the robot of a line: `Some(None)` if the type is missing, which is already reported; `None` if the line
+    /// places no robot.
     fn robot_type(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
         let name = match &line.kind {
             TypeRef::File(path) => return Some(loader.robot_type(&self.sim.file, self.folder, path)),
@@ -637,7 +639,8 @@ impl<'a> Starts<'a> {
         Some(Pose::new(position.x, position.y, 0.0))
     }
 
-    /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots share a cell.
+    /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots share a
+    /// cell.
     fn take_start_of_letter(&mut self, letter: char) -> Option<Pose> {
         let starts = &self.world?.starts;
         let mut indices = (0..starts.len()).filter(|index| starts[*index].letter == Some(letter));

@@ -1,7 +1,8 @@
 //! Scenes: `.sim`, with the world, the robots and their programs, the objects and the markers.
 //!
-//! One reader reads all dialects, which it distinguishes by number and kind of a line's values. A line that starts with the name of a
-//! loaded type may place a robot or an object; [`super::load_scene`] decides when it has read the type's file.
+//! One reader reads all dialects, which it distinguishes by number and kind of a line's values. A line that starts with
+//! the name of a loaded type may place a robot or an object; [`super::load_scene`] decides when it has read the type's
+//! file.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
@@ -144,8 +145,8 @@ impl Reader {
         self.sim.object_types.extend(path);
     }
 
-    /// Records the version of EyeSim VR to which the `keyword` of a line that loads a type belongs; `old` is the keyword
-    /// of 2018.
+    /// Records the version of EyeSim VR to which the `keyword` of a line that loads a type belongs; `old` is the
+    /// keyword of 2018.
     fn record_version(&mut self, keyword: &Word<'_>, old: &str) {
         let is_keyword_of_2018 = keyword.text.eq_ignore_ascii_case(old);
         self.has_syntax_of_2018 |= is_keyword_of_2018;

@@ -1,4 +1,5 @@
-//! Suites: a scene, programs and checks, and a matrix of seeds, worlds, noise and parameters; each combination is a case.
+//! Suites: a scene, programs and checks, and a matrix of seeds, worlds, noise and parameters; each combination is a
+//! case.
 //!
 //! This module reads a suite and lists its cases; it runs nothing.
 

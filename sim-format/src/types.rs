@@ -49,8 +49,8 @@ struct KnownType {
 }
 
 impl Types {
-    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the same name, the
-    /// first is registered.
+    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the
+    /// same name, the first is registered.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types =
             Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, format: sim.format };

@@ -17,7 +17,8 @@ pub(crate) const WATER: Quantity = Quantity::size("depth of the water");
 
 /// Reads a world file.
 ///
-/// `file` is the name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is reported and skipped.
+/// `file` is the name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is
+/// reported and skipped.
 pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),

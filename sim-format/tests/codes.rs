@@ -1,4 +1,5 @@
-//! The pages of docs/formats/codes/: one per code of the registry, with one example that has the mistake and one that does not.
+//! The pages of docs/formats/codes/: one per code of the registry, with one example that has the mistake and one that
+//! does not.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -131,8 +131,8 @@ fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVe
     points
 }
 
-/// Walks for `seconds`, queried every 5 ms, and checks that feet on the ground touch it and do not move, by forward kinematics.
-/// Returns the number of steps and the maximum joint rate, rad/s.
+/// Walks for `seconds`, queried every 5 ms, and checks that feet on the ground touch it and do not move, by forward
+/// kinematics. Returns the number of steps and the maximum joint rate, rad/s.
 fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (usize, f64) {
     check_on(legs, &Ground::Flat, motion, from, seconds)
 }

@@ -1,7 +1,7 @@
 //! Mazes: a robot can drive exactly to the cells that a flood fill on the characters reaches.
 //!
-//! The flood fill is independent of the reader: it looks for `|` and `_` between two cells of the text. The robot is a body that
-//! drives from the centre of a cell to that of its neighbour in the world built from the reader's walls.
+//! The flood fill is independent of the reader: it looks for `|` and `_` between two cells of the text. The robot is a
+//! body that drives from the centre of a cell to that of its neighbour in the world built from the reader's walls.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;

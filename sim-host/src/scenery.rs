@@ -12,8 +12,8 @@ use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 
 /// Lazily built scenery of a run. A run without cameras never builds it, and reads no meshes or images.
 ///
-/// The scenery is a function of the scene, its files, and the robots and objects added to the run, so its contents do not depend on
-/// which robot needs it first.
+/// The scenery is a function of the scene, its files, and the robots and objects added to the run, so its contents do
+/// not depend on which robot needs it first.
 pub struct LazyScenery {
     /// The scene and its files; `None` for a black sky.
     source: Option<Source>,
@@ -48,8 +48,8 @@ struct SceneryState {
 }
 
 impl LazyScenery {
-    /// The scenery of `scene`, with meshes and images from `files`; `reported` are the diagnostics that the user has seen already, and
-    /// `scene_inputs` the files that were read for the scene.
+    /// The scenery of `scene`, with meshes and images from `files`; `reported` are the diagnostics that the user has
+    /// seen already, and `scene_inputs` the files that were read for the scene.
     pub fn new(
         scene: Arc<SceneSpec>,
         files: impl Files + Send + Sync + 'static,
@@ -66,7 +66,8 @@ impl LazyScenery {
         let SceneryState { visuals, spawned } = &mut *state;
         let visuals = visuals.get_or_insert_with(|| self.build());
         if let Some(source) = &self.source {
-            // The types of added robots and objects are built in, or were read for the scene: there are no new diagnostics.
+            // The types of added robots and objects are built in, or were read for the scene: there are no new
+            // diagnostics.
             visuals.add(spawned.drain(..), &mut MeshReader::new(&*source.files));
         }
         Arc::clone(visuals.scenery())

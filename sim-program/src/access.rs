@@ -1,4 +1,5 @@
-//! Finds the pointers and arrays through which a line of C or C++ reads and writes, from the declarations above the line.
+//! Finds the pointers and arrays through which a line of C or C++ reads and writes, from the declarations above the
+//! line.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -210,7 +211,8 @@ fn tokens_of(code: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// For each opening bracket, the index of its closing bracket; for other tokens and for unclosed brackets, the number of tokens.
+/// For each opening bracket, the index of its closing bracket; for other tokens and for unclosed brackets, the number
+/// of tokens.
 fn closing_of(tokens: &[Token<'_>]) -> Vec<usize> {
     let mut closing = vec![tokens.len(); tokens.len()];
     let mut open = Vec::new();
@@ -333,7 +335,8 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// The index after the words with which a declaration at `index` begins, and their number: `static Node`, `std::vector<int> list`.
+    /// The index after the words with which a declaration at `index` begins, and their number: `static Node`,
+    /// `std::vector<int> list`.
     fn leading_words(&self, index: usize) -> Option<(usize, usize)> {
         let (mut cursor, mut words) = (index, 0);
         while let Some(token) = self.tokens.get(cursor) {
@@ -355,7 +358,8 @@ impl<'a> Scan<'a> {
         (words > 0).then_some((cursor, words))
     }
 
-    /// The index of the first declarator after leading words, which end at `end`: it begins with a `*` or `&`, or is the last word.
+    /// The index of the first declarator after leading words, which end at `end`: it begins with a `*` or `&`, or is
+    /// the last word.
     fn declarator_begin(&self, end: usize, words: usize) -> Option<usize> {
         let has_mark = matches!(self.text_at(end), "*" | "&");
         (has_mark || words > 1).then_some(if has_mark { end } else { end - 1 })
@@ -388,7 +392,8 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// Parses the declarator at `index`, such as `*head` or `d[4]`; returns the name, the variable and the index after it.
+    /// Parses the declarator at `index`, such as `*head` or `d[4]`; returns the name, the variable and the index after
+    /// it.
     fn declarator(&mut self, index: usize, is_parameter: bool) -> Option<(&'a str, Variable, usize)> {
         let (mut cursor, mut variable) = (index, Variable::default());
         while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(cursor) {
@@ -521,8 +526,8 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// Number of `*` in front of the name at `index` that dereference. The first `*` multiplies if a value precedes it; after a `)` it
-    /// dereferences only if a pointer follows.
+    /// Number of `*` in front of the name at `index` that dereference. The first `*` multiplies if a value precedes it;
+    /// after a `)` it dereferences only if a pointer follows.
     fn unary_stars(&self, index: usize, is_pointer: bool) -> usize {
         let (count, previous) = self.stars_before(index);
         let multiplies = previous.is_some_and(|previous| previous.ends_value() || previous.text == ")" && !is_pointer);
@@ -558,8 +563,8 @@ enum Step {
 }
 
 impl Accesses {
-    /// Adds the access by a step into `part`, whose text is `text`. Returns the resulting part; `None` if it is not known whether `part`
-    /// is a pointer.
+    /// Adds the access by a step into `part`, whose text is `text`. Returns the resulting part; `None` if it is not
+    /// known whether `part` is a pointer.
     fn step<'a>(&mut self, part: Part<'a>, text: &str, step: Step) -> Option<Part<'a>> {
         match (part, step) {
             (Part::Known { variable: Variable { dimensions, .. }, indexed, .. }, _) if indexed < dimensions.len() => {

@@ -20,7 +20,8 @@ use crate::files::read_regular;
 /// Version of the cache's layout; part of every key.
 const CACHE_VERSION: u32 = 2;
 
-/// Sources of the code that translates compiler messages: part of every key, since the cache stores translated warnings.
+/// Sources of the code that translates compiler messages: part of every key, since the cache stores translated
+/// warnings.
 const TRANSLATORS: [&str; 3] = [include_str!("plain.rs"), include_str!("compile.rs"), include_str!("code.rs")];
 
 /// Environment variables that change the output of a compiler.
@@ -231,7 +232,8 @@ impl Builder {
         Ok(Python::find(self.tools.python.as_deref(), &self.cache)?)
     }
 
-    /// Builds each of `sources` once, on as many threads as there are processors; the results are in the order of `sources`.
+    /// Builds each of `sources` once, on as many threads as there are processors; the results are in the order of
+    /// `sources`.
     pub fn build_all(&self, sources: &[ProgramSource]) -> Vec<Result<BuiltProgram, BuildError>> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from).min(sources.len());
         if threads < 2 {

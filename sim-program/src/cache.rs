@@ -1,7 +1,7 @@
 //! Cache folder of built programs, shared by concurrent runs.
 //!
-//! An entry is a folder that one atomic rename puts in place. It is checked against its digest when it is used, and built again if
-//! it is broken. Once a day a build removes the entries that were not used for [`KEEP`].
+//! An entry is a folder that one atomic rename puts in place. It is checked against its digest when it is used, and
+//! built again if it is broken. Once a day a build removes the entries that were not used for [`KEEP`].
 
 use std::fs;
 use std::io;
@@ -154,7 +154,8 @@ impl Cache {
         self.entry(key).ok_or_else(|| io::Error::other(format!("the entry `{}` stays broken", folder.display())))
     }
 
-    /// A small text stored beside the entries under `key`, such as the headers that a source included. Marks it as used.
+    /// A small text stored beside the entries under `key`, such as the headers that a source included. Marks it as
+    /// used.
     pub fn note(&self, key: &str) -> Option<String> {
         let path = self.note_path(key);
         let text = fs::read_to_string(&path).ok()?;
@@ -189,7 +190,8 @@ impl Cache {
         self.root.join("notes").join(key)
     }
 
-    /// Sweeps the cache once per [`SWEEP_PERIOD`]: a sweep reads the times of all entries, so it must not delay every build.
+    /// Sweeps the cache once per [`SWEEP_PERIOD`]: a sweep reads the times of all entries, so it must not delay every
+    /// build.
     fn sweep_if_due(&self) {
         let swept = self.root.join(SWEPT);
         // A time in the future, from a clock that was wrong, does not stop sweeps.
@@ -201,8 +203,8 @@ impl Cache {
         }
     }
 
-    /// Removes entries, notes and unfinished builds that were not used for a long time. Files that cannot be removed are
-    /// skipped: another run may use them.
+    /// Removes entries, notes and unfinished builds that were not used for a long time. Files that cannot be removed
+    /// are skipped: another run may use them.
     fn sweep(&self) {
         let is_older = |path: &Path, max_age: Duration| age(path).is_some_and(|age| age > max_age);
         for folder in paths_in(&self.root.join("programs")) {

@@ -1,5 +1,5 @@
-//! Scans a C or C++ source for the functions and constants that it uses, to choose the header that it needs before it is
-//! compiled.
+//! Scans a C or C++ source for the functions and constants that it uses, to choose the header that it needs before it
+//! is compiled.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -35,7 +35,8 @@ struct Class<'a> {
     called: Vec<(&'a str, usize)>,
 }
 
-/// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions are included.
+/// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions are
+/// included.
 pub fn calls_of(text: &str) -> Calls {
     let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
     let code = code_only(text);
@@ -50,7 +51,8 @@ pub fn calls_of(text: &str) -> Calls {
         let back = |count: usize| index.checked_sub(count).map(|position| tokens[position]);
         let previous = back(1);
         match *token {
-            // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
+            // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is
+            // skipped).
             Token::Mark('{') if previous == Some(Token::Name("extern")) => {}
             Token::Mark('{') => depth += 1,
             Token::Mark('}') => {

@@ -71,8 +71,8 @@ pub enum CargoError {
     },
 }
 
-/// Environment variables of a cargo that runs this process (its job server and data about its package), which would disturb the
-/// cargo that is started here.
+/// Environment variables of a cargo that runs this process (its job server and data about its package), which would
+/// disturb the cargo that is started here.
 const FOREIGN_VARIABLES: &[&str] =
     &["MAKEFLAGS", "MFLAGS", "CARGO_MAKEFLAGS", "CARGO_MANIFEST_DIR", "CARGO_MANIFEST_PATH"];
 
@@ -109,8 +109,8 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
 /// Builds a package in the target folder `shared` and keeps its library there under the package's own `key`.
 ///
 /// Packages of the same name have the same library path in a target folder: cargo overwrites one library with the other
-/// and reports both as up to date. So the library of a package is the copy that was made when cargo last built it; a lock
-/// is held during build and copy. Without a copy, a library that cargo reports as up to date may belong to another
+/// and reports both as up to date. So the library of a package is the copy that was made when cargo last built it; a
+/// lock is held during build and copy. Without a copy, a library that cargo reports as up to date may belong to another
 /// package: then `build(None)` builds the package in its own target folder.
 fn build_in_shared_folder(
     shared: &Path,
@@ -189,7 +189,8 @@ fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
     command
 }
 
-/// The manifest of the workspace of `manifest`, or `manifest` itself if cargo fails (the build then reports the reason).
+/// The manifest of the workspace of `manifest`, or `manifest` itself if cargo fails (the build then reports the
+/// reason).
 fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["locate-project", "--workspace", "--message-format=plain", "--manifest-path"]).arg(manifest);

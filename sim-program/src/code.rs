@@ -3,7 +3,8 @@
 /// Types of C with which declarations begin.
 pub const TYPES: [&str; 8] = ["void", "int", "double", "float", "char", "long", "unsigned", "bool"];
 
-/// Replaces each byte of comments and literals in `text` by a blank, quotes included; line numbers and byte offsets are preserved.
+/// Replaces each byte of comments and literals in `text` by a blank, quotes included; line numbers and byte offsets are
+/// preserved.
 ///
 /// A literal ends at the end of its line at the latest. Back-slashes at the ends of lines continue comments.
 pub fn code_only(text: &str) -> String {

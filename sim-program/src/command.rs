@@ -35,8 +35,8 @@ struct SpawnRequest {
 /// Sender to the thread that starts processes; `None` before its start.
 static SPAWNER: Mutex<Option<mpsc::Sender<SpawnRequest>>> = Mutex::new(None);
 
-/// Starts the thread of [`spawn`] unless it is running. Call it on a thread without restrictions: the processes inherit the
-/// restrictions of the first caller.
+/// Starts the thread of [`spawn`] unless it is running. Call it on a thread without restrictions: the processes inherit
+/// the restrictions of the first caller.
 ///
 /// # Errors
 /// The system lacks the resources for the thread.
@@ -73,7 +73,8 @@ pub fn spawn(command: Command) -> io::Result<Child> {
 /// The user has interrupted this process.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Kills all commands of this process, also those that start later, with all processes that they have started. Async-signal-safe.
+/// Kills all commands of this process, also those that start later, with all processes that they have started.
+/// Async-signal-safe.
 pub fn interrupt() {
     IS_INTERRUPTED.store(true, Ordering::Release);
 }
@@ -100,8 +101,8 @@ impl CommandLimits<'static> {
     }
 }
 
-/// Runs a build command to its end and collects its output; its standard input is empty. A command that has not ended after `timeout` is
-/// killed with all processes that it has started.
+/// Runs a build command to its end and collects its output; its standard input is empty. A command that has not ended
+/// after `timeout` is killed with all processes that it has started.
 ///
 /// # Errors
 /// The command cannot be started; [`io::ErrorKind::TimedOut`] or [`io::ErrorKind::Interrupted`] if it was killed.
@@ -112,12 +113,12 @@ pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Outp
     })
 }
 
-/// Runs `command` to its end and collects its output; its standard input is empty. A command that exceeds a limit is killed with all
-/// processes that it has started.
+/// Runs `command` to its end and collects its output; its standard input is empty. A command that exceeds a limit is
+/// killed with all processes that it has started.
 ///
 /// # Errors
-/// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or [`io::ErrorKind::Interrupted`] if it was
-/// killed.
+/// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or
+/// [`io::ErrorKind::Interrupted`] if it was killed.
 pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::Result<Output> {
     collect(with_pipes(command).spawn()?, limits)
 }
@@ -131,7 +132,8 @@ pub fn output_apart(mut command: Command, timeout: Duration) -> io::Result<Outpu
     collect(spawn(command)?, &CommandLimits::of_time(timeout))
 }
 
-/// Sets up `command` with pipes for its output and its own process group, and lets the kernel kill it when the thread that starts it ends.
+/// Sets up `command` with pipes for its output and its own process group, and lets the kernel kill it when the thread
+/// that starts it ends.
 fn with_pipes(command: &mut Command) -> &mut Command {
     // SAFETY: prctl is async-signal-safe and takes no pointer; the thread that starts the command outlives it.
     unsafe {

@@ -108,8 +108,8 @@ pub struct Compilation<'a> {
     pub folder: &'a Path,
     /// Cache with the shims' object files.
     pub cache: &'a Cache,
-    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write to the folder of the
-    /// compilation.
+    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write to the
+    /// folder of the compilation.
     pub sandbox: Option<&'a Sandbox>,
 }
 
@@ -172,11 +172,11 @@ fn unlinked(program: &Path, output: &str, hints: &str) -> String {
 }
 
 impl<'a> Compilation<'a> {
-    /// Compiles each source, then the shims, then links. The first attempt uses the newest standard and our headers; if the compiler
-    /// refuses a source, the variants that older sources need are tried.
+    /// Compiles each source, then the shims, then links. The first attempt uses the newest standard and our headers; if
+    /// the compiler refuses a source, the variants that older sources need are tried.
     ///
-    /// The compiler runs in the folder of the first source and gets sources by their names relative to that folder, so that
-    /// `__FILE__` is independent of the working folder.
+    /// The compiler runs in the folder of the first source and gets sources by their names relative to that folder, so
+    /// that `__FILE__` is independent of the working folder.
     ///
     /// # Errors
     /// [`CompileError`] of the first attempt.
@@ -214,7 +214,8 @@ impl<'a> Compilation<'a> {
         })
     }
 
-    /// Message about headers of the program that are used instead of ours, with the compiler's `refusal` of ours: one line.
+    /// Message about headers of the program that are used instead of ours, with the compiler's `refusal` of ours: one
+    /// line.
     fn remark_on_own_headers(&self, headers: &[PathBuf], source: &Path, refusal: &str) -> String {
         let names = headers.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
         let text = fs::read(source).unwrap_or_default();
@@ -389,7 +390,8 @@ impl<'a> Compilation<'a> {
         }
     }
 
-    /// Compiles a source to the file `object`, with these headers of the kit included first; returns the output of the compiler.
+    /// Compiles a source to the file `object`, with these headers of the kit included first; returns the output of the
+    /// compiler.
     fn compile_to(
         &self,
         object: &Path,
@@ -423,7 +425,8 @@ impl<'a> Compilation<'a> {
         Ok(output)
     }
 
-    /// The object file of the shim's file `name`, which is independent of the program: compiled once for each kit and compiler.
+    /// The object file of the shim's file `name`, which is independent of the program: compiled once for each kit and
+    /// compiler.
     fn compile_shim(
         &self,
         language: Language,

@@ -128,7 +128,8 @@ pub enum CompilerError {
         /// The error with the time limit.
         error: io::Error,
     },
-    /// The compiler starts, but cannot compile a small file, or cannot link because the library's development files are missing.
+    /// The compiler starts, but cannot compile a small file, or cannot link because the library's development files are
+    /// missing.
     #[error(
         "the {} compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install {}` gives what it \
          needs):\n{output}",
@@ -356,8 +357,8 @@ fn first_working(
     Err(missing)
 }
 
-/// The command of the [host]'s zig, for systems without another compiler. It runs clang; its default check for undefined
-/// behaviour is turned off, since it would stop programs that run with other compilers.
+/// The command of the [host]'s zig, for systems without another compiler. It runs clang; its default check for
+/// undefined behaviour is turned off, since it would stop programs that run with other compilers.
 fn zig(language: Language) -> Option<Vec<String>> {
     let zig = host::current().map(|host| &host.zig).filter(|zig| !zig.is_empty())?;
     let subcommand = match language {

@@ -208,8 +208,8 @@ impl Finder<'_> {
         self.candidates(reference).into_iter().find_map(|path| self.search_at(&path))
     }
 
-    /// Searches for a path from another machine below the sim file's folder, then for all names without regard to upper and
-    /// lower case.
+    /// Searches for a path from another machine below the sim file's folder, then for all names without regard to upper
+    /// and lower case.
     fn find_elsewhere(&mut self, reference: &str) -> Option<ProgramSource> {
         let attempt_count = self.attempts.len();
         let text = |path: &Path| path.to_str().map(str::to_owned);
@@ -479,8 +479,8 @@ fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
     files.filter(|files| !files.is_empty())
 }
 
-/// The path that differs from `path`, which does not exist, only in upper and lower case of its names, or of the name of
-/// a program that may replace it; `None` if there is no such path.
+/// The path that differs from `path`, which does not exist, only in upper and lower case of its names, or of the name
+/// of a program that may replace it; `None` if there is no such path.
 fn in_other_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     let mut components = path.components().peekable();

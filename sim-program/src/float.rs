@@ -93,7 +93,8 @@ impl Environment {
         if (control, flags) == (self.control, self.flags) {
             return;
         }
-        // Control, status and tag word, each in the lower half of its element; then addresses of the last instruction and operand.
+        // Control, status and tag word, each in the lower half of its element; then addresses of the last instruction
+        // and operand.
         let mut image = [0_u32; 7];
         // SAFETY: stores the x87's environment in `image`, which has its size of 28 bytes.
         unsafe { std::arch::asm!("fnstenv [{}]", in(reg) image.as_mut_ptr(), options(nostack, preserves_flags)) };
@@ -124,7 +125,8 @@ mod tests {
     #[test]
     fn environment_is_saved_and_restored_with_its_flags() {
         let initial = Environment::current();
-        // The x87 rounds up in single precision, SSE rounds down; flags of division by zero and of inexact results are set.
+        // The x87 rounds up in single precision, SSE rounds down; flags of division by zero and of inexact results are
+        // set.
         let strange = Environment { sse: MXCSR_DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
         strange.apply();
         assert_eq!(Environment::current(), strange);

@@ -1,5 +1,6 @@
-//! Chooses the generation of RoBIOS for which a program is compiled. The headers of both generations are called `eyebot.h`, so the choice
-//! precedes the compilation: the user states it, or it follows from the functions that the sources call.
+//! Chooses the generation of RoBIOS for which a program is compiled. The headers of both generations are called
+//! `eyebot.h`, so the choice precedes the compilation: the user states it, or it follows from the functions that the
+//! sources call.
 
 use std::collections::BTreeSet;
 
@@ -74,7 +75,8 @@ impl Generation {
         }
     }
 
-    /// Returns true if `name` is a constant or type of its header that a program is unlikely to define itself: `QVGA_SIZE`, but not `RED`.
+    /// Returns true if `name` is a constant or type of its header that a program is unlikely to define itself:
+    /// `QVGA_SIZE`, but not `RED`.
     pub fn has_constant(self, name: &str) -> bool {
         let is_distinctive = |constant: &Constant| constant.name == name && name.contains('_');
         match self {
@@ -133,7 +135,8 @@ const SIZE_SUFFIXES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col",
 /// Alternative names of functions of RoBIOS 6. Source: `include/robios6/variants.h`.
 const VARIANTS_OF_6: &[&str] = &["VWDriveReady"];
 
-/// Functions of older headers of RoBIOS-7, which call other functions of the list. Source: `include/robios7/variants.h`.
+/// Functions of older headers of RoBIOS-7, which call other functions of the list. Source:
+/// `include/robios7/variants.h`.
 const VARIANTS_OF_7: &[&str] = &[
     "LCDGetList",
     "LCDInit",
@@ -166,7 +169,8 @@ const VARIANTS_OF_7: &[&str] = &[
 pub struct GenerationHint {
     /// Set by `--api` or the scene: overrides everything else.
     pub api: Option<Generation>,
-    /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not determine it.
+    /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not determine
+    /// it.
     pub dialect: Option<Generation>,
 }
 
@@ -190,7 +194,8 @@ pub enum ChoiceReason {
     Constants(Vec<String>),
     /// Both generations have the functions called, but the program does not compile for the other generation.
     Compiles,
-    /// Both generations have the functions called, and the line of the sim file is written for this generation's simulator.
+    /// Both generations have the functions called, and the line of the sim file is written for this generation's
+    /// simulator.
     Dialect,
     /// Both generations have the functions called, and nothing else decides.
     Default,
@@ -218,8 +223,8 @@ impl std::fmt::Display for GenerationChoice {
 }
 
 impl GenerationChoice {
-    /// Message for the compilation of the program of `source`: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the choice makes no
-    /// difference.
+    /// Message for the compilation of the program of `source`: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the
+    /// choice makes no difference.
     pub fn remark(&self, source: &Path) -> Option<String> {
         (self.reason != ChoiceReason::NoCalls)
             .then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
@@ -279,8 +284,8 @@ pub enum GenerationError {
 /// If `folders` are given, whose paths must not contain links, only files in them are scanned.
 ///
 /// # Errors
-/// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A source that
-/// cannot be read is reported by the compilation.
+/// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A
+/// source that cannot be read is reported by the compilation.
 pub fn choose(
     sources: &[PathBuf],
     hint: GenerationHint,
@@ -391,7 +396,8 @@ struct Statement {
     declaration: Option<String>,
 }
 
-/// Advice for a program that calls functions of both generations: how to convert it to one of them, preferably by changing fewer calls.
+/// Advice for a program that calls functions of both generations: how to convert it to one of them, preferably by
+/// changing fewer calls.
 fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
     let codes: Vec<String> = sources.iter().filter_map(|source| code_of(source)).collect();
     let changed: Vec<_> =
@@ -492,8 +498,8 @@ fn lines_in_words(places: &[&str]) -> String {
     }
 }
 
-/// All calls of the functions `names` in `sources`, in the order of the text; `None` if a function has no call there, or if a source
-/// declares it or has a method of its name.
+/// All calls of the functions `names` in `sources`, in the order of the text; `None` if a function has no call there,
+/// or if a source declares it or has a method of its name.
 fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
     let mut sites = Vec::new();
     for source in sources {
@@ -650,8 +656,8 @@ fn file_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Returns true if the file is a header of RoBIOS itself, of any year: it declares RoBIOS functions or defines many of the
-/// constants, and does not wrap another header.
+/// Returns true if the file is a header of RoBIOS itself, of any year: it declares RoBIOS functions or defines many of
+/// the constants, and does not wrap another header.
 pub fn is_robios_header(path: &Path) -> bool {
     const MIN_CONSTANTS: usize = 8;
     let Ok(bytes) = read_regular(path) else { return false };

@@ -1,5 +1,5 @@
-//! Gives hints on programs that do not compile or link: headers of other systems, misspelled functions, functions of the other
-//! generation, missing `extern "C"` between C and C++.
+//! Gives hints on programs that do not compile or link: headers of other systems, misspelled functions, functions of
+//! the other generation, missing `extern "C"` between C and C++.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -181,8 +181,8 @@ pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Genera
 
 const DOUBLE_MAIN: [&str; 2] = ["multiple definition of `main'", "duplicate symbol: main"];
 
-/// Returns true if the linker's message `output` (GNU ld) is only about undefined symbols and a second `main`, for which [`link_hints`]
-/// has hints.
+/// Returns true if the linker's message `output` (GNU ld) is only about undefined symbols and a second `main`, for
+/// which [`link_hints`] has hints.
 pub fn is_explained(output: &str) -> bool {
     const KNOWN: [&str; 6] = [
         "undefined reference",
@@ -244,7 +244,8 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Undeclared names of constants and types, in capitals, according to the compiler, each once (gcc and clang, `LC_ALL=C`).
+/// Undeclared names of constants and types, in capitals, according to the compiler, each once (gcc and clang,
+/// `LC_ALL=C`).
 pub fn undeclared_constants(output: &str) -> Vec<String> {
     let is_constant = |name: &&str| name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
     let mut names: Vec<String> = Vec::new();
@@ -291,8 +292,8 @@ struct Undefined {
     place: Option<String>,
 }
 
-/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation. `defined` are the
-/// functions of the program.
+/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation.
+/// `defined` are the functions of the program.
 fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generation) -> String {
     let other = generation.other();
     let (other_symbols, rest): (Vec<&Undefined>, Vec<&Undefined>) =
@@ -333,8 +334,8 @@ const C_FUNCTIONS: [&str; 14] = [
     "sqrt", "exit",
 ];
 
-/// The function whose name is most similar to `name`, within an edit distance of a quarter of its length. At equal distance, functions of
-/// `generation` precede those of the other generation, and these precede those of C.
+/// The function whose name is most similar to `name`, within an edit distance of a quarter of its length. At equal
+/// distance, functions of `generation` precede those of the other generation, and these precede those of C.
 fn similar_function(name: &str, generation: Generation) -> Option<&'static str> {
     nearest(generation.functions().into_iter().chain(generation.other().functions()).chain(C_FUNCTIONS), name)
 }
@@ -345,8 +346,8 @@ fn nearest<'a>(functions: impl Iterator<Item = &'a str>, name: &str) -> Option<&
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
-/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. Only
-/// GNU ld reports their places.
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters.
+/// Only GNU ld reports their places.
 fn undefined_symbols(output: &str) -> Vec<Undefined> {
     let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {

@@ -1,4 +1,5 @@
-//! The program that hosts this library: the command that starts it again, the installation and the tools that it brings.
+//! The program that hosts this library: the command that starts it again, the installation and the tools that it
+//! brings.
 //!
 //! A host other than the binary `eyesim`, such as the Python package, describes itself once with [`set`].
 
@@ -57,8 +58,8 @@ pub fn script() -> io::Result<PathBuf> {
     current().map_or_else(std::env::current_exe, |host| Ok(host.script.clone()))
 }
 
-/// The command `eyesim`, called `name` in lists of processes unless an interpreter runs it: an interpreter finds its installation by its
-/// own name.
+/// The command `eyesim`, called `name` in lists of processes unless an interpreter runs it: an interpreter finds its
+/// installation by its own name.
 ///
 /// # Errors
 /// See [`words`].

@@ -211,9 +211,9 @@ impl ProgramImage {
 
     /// The line of the source at `offset` from the base, if the debug information contains it.
     ///
-    /// For a return address pass the address minus one, which lies in the call instruction. Among inlined functions the result is
-    /// the innermost one in the program's own folder. Allocates; safe to call after a crash of a program, since the host does not
-    /// use the C library's heap.
+    /// For a return address pass the address minus one, which lies in the call instruction. Among inlined functions the
+    /// result is the innermost one in the program's own folder. Allocates; safe to call after a crash of a program,
+    /// since the host does not use the C library's heap.
     pub fn source_line(&self, offset: usize) -> Option<SourceLine> {
         if !self.parts.span.contains(&offset) {
             return None;
@@ -519,8 +519,8 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
         .collect()
 }
 
-/// See [`ProgramImage::why_thread_bound`]: the reason from the libraries on which a C program depends and the functions that it
-/// imports.
+/// See [`ProgramImage::why_thread_bound`]: the reason from the libraries on which a C program depends and the functions
+/// that it imports.
 fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String> {
     if cfg!(not(target_arch = "x86_64")) {
         return Some("runs on a processor for which eyesim has no fibers".to_owned());

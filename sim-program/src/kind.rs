@@ -53,7 +53,8 @@ fn foreign_kind(head: &[u8]) -> String {
     }
 }
 
-/// Returns true if the first line is `start`, one of `next`, and hex digits to its end, as in S-record and Intel hex files.
+/// Returns true if the first line is `start`, one of `next`, and hex digits to its end, as in S-record and Intel hex
+/// files.
 fn is_record(head: &[u8], start: &[u8], next: &[u8]) -> bool {
     let line = head.split(|&byte| byte == b'\n' || byte == b'\r').next().unwrap_or_default();
     line.len() >= 8

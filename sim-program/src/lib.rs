@@ -1,8 +1,9 @@
-//! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a copy for each robot.
+//! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a copy for each
+//! robot.
 //!
-//! The crate `sim-host` runs programs and implements the RoBIOS calls. `docs/programs.md` describes the kinds of programs, the
-//! search order, the flags and the cache. [`files`] reads the files of scenes; [`host`] describes the executable that contains
-//! these crates.
+//! The crate `sim-host` runs programs and implements the RoBIOS calls. `docs/programs.md` describes the kinds of
+//! programs, the search order, the flags and the cache. [`files`] reads the files of scenes; [`host`] describes the
+//! executable that contains these crates.
 
 pub mod access;
 mod brace;

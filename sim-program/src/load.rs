@@ -29,8 +29,8 @@ use super::sandbox::{Grant, Role, Sandbox};
 use super::share::share_pages;
 use super::shared::{SharedCopy, Variables};
 
-/// Number of copies in a run that are complete files with debug information, for debuggers and profilers; further copies contain
-/// only the mapped part.
+/// Number of copies in a run that are complete files with debug information, for debuggers and profilers; further
+/// copies contain only the mapped part.
 const WHOLE_COPIES: usize = 8;
 
 /// Reasons why a library cannot be loaded as a robot program.
@@ -139,8 +139,8 @@ fn robios_hint(robios: &[String]) -> String {
     }
 }
 
-/// A robot's copy of a program with its arguments, ready to run. When the last clone is dropped, the library is unmapped if that is
-/// safe: see [`ProgramImage::can_unmap`].
+/// A robot's copy of a program with its arguments, ready to run. When the last clone is dropped, the library is
+/// unmapped if that is safe: see [`ProgramImage::can_unmap`].
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
@@ -252,8 +252,8 @@ impl LoadedProgram {
         if site.is_null() || !site.is_aligned() {
             return CallSite::NONE;
         }
-        // SAFETY: by the description's contract `call_site` points to a variable of this copy, which is mapped as long as `self`
-        // and which only the program writes; the program is in a call now.
+        // SAFETY: by the description's contract `call_site` points to a variable of this copy, which is mapped as long
+        // as `self` and which only the program writes; the program is in a call now.
         unsafe { site.read() }
     }
 
@@ -265,8 +265,8 @@ impl LoadedProgram {
             let offset = self.offset(address.addr().checked_sub(1)?)?;
             return self.image.call_line(offset).map(|line| line.to_string());
         }
-        // SAFETY: by the contract of a program's call site, a name of that many bytes in the program's constants, which are mapped
-        // as long as `self`; a site is only passed to its own program.
+        // SAFETY: by the contract of a program's call site, a name of that many bytes in the program's constants, which
+        // are mapped as long as `self`; a site is only passed to its own program.
         let file = unsafe { std::slice::from_raw_parts(file, file_len) };
         Some(format!("{}:{line}", String::from_utf8_lossy(file)))
     }
@@ -332,8 +332,9 @@ impl Loader {
         self.sandbox.is_some()
     }
 
-    /// Restricts `command`, which runs `prepared`, and makes a scratch folder its working folder, which is returned. The command may
-    /// read the files and folders `readable` in addition to the program's own. `None` if programs are not restricted.
+    /// Restricts `command`, which runs `prepared`, and makes a scratch folder its working folder, which is returned.
+    /// The command may read the files and folders `readable` in addition to the program's own. `None` if programs are
+    /// not restricted.
     ///
     /// # Errors
     /// The folder cannot be created, or the kernel refuses.
@@ -356,8 +357,8 @@ impl Loader {
         self.robots_per_turn = robots;
     }
 
-    /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
-    /// robots may share one on each of the `sharing_workers`: see [`ProgramImage::shared_variables`].
+    /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is
+    /// private, unless robots may share one on each of the `sharing_workers`: see [`ProgramImage::shared_variables`].
     ///
     /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless
     /// the program may leave references to it (exit handlers, threads).
@@ -461,7 +462,8 @@ impl Loader {
         Ok((opened.map_err(|error| error.of(image.path(), &path))?, copy))
     }
 
-    /// Maps the code and constants of the program's first copy into the copy at `base`, which was loaded from the file `copy`.
+    /// Maps the code and constants of the program's first copy into the copy at `base`, which was loaded from the file
+    /// `copy`.
     fn share(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage, base: usize, copy: File) {
         match self.first_copies.entry(Arc::as_ptr(prepared).addr()) {
             Entry::Vacant(first) => {
@@ -559,8 +561,8 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     let description =
         NonNull::new(symbol.as_raw_ptr().cast::<Program>()).filter(|description| description.is_aligned());
     let description = description.ok_or_else(|| incompatible("its description is not where it should be"))?;
-    // SAFETY: not null, aligned, and `check_description` has found in the file a description of this version and of at least
-    // this size; it is a constant in an image that is mapped as long as `library`.
+    // SAFETY: not null, aligned, and `check_description` has found in the file a description of this version and of at
+    // least this size; it is a constant in an image that is mapped as long as `library`.
     unsafe { description.as_ref() }.check().map_err(|error| incompatible(&error.to_string()))?;
     let base = base_of(description.as_ptr().addr()).ok_or_else(|| incompatible("its address is unknown"))?;
     Ok(Opened { base, description, is_constructed: Once::new(), library: Some(library) })
@@ -594,8 +596,8 @@ fn check_description(image: &ProgramImage) -> Result<(), LoadError> {
 /// The base address of the loaded image that contains `address`.
 fn base_of(address: usize) -> Option<usize> {
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    // SAFETY: dladdr takes any address, compares it with the images that are loaded, and writes only to `info`, which is
-    // valid when all zero.
+    // SAFETY: dladdr takes any address, compares it with the images that are loaded, and writes only to `info`, which
+    // is valid when all zero.
     let (found, info) =
         unsafe { (libc::dladdr(std::ptr::without_provenance(address), info.as_mut_ptr()), info.assume_init()) };
     (found != 0).then(|| info.dli_fbase.addr())
@@ -624,8 +626,8 @@ fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     }
 }
 
-/// Checks that the kernel lets this process make the `mappings` for the copies of a run's programs and for the stacks of its
-/// `robots`.
+/// Checks that the kernel lets this process make the `mappings` for the copies of a run's programs and for the stacks
+/// of its `robots`.
 ///
 /// # Errors
 /// [`LoadError::TooManyMappings`] if they do not fit. If the kernel's limit is unknown, nothing is checked.

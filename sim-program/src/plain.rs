@@ -1,5 +1,5 @@
-//! Translates messages of C and C++ compilers into plain words: one line for each, with the mistake and what to write instead. The
-//! compiler's own messages follow after these lines.
+//! Translates messages of C and C++ compilers into plain words: one line for each, with the mistake and what to write
+//! instead. The compiler's own messages follow after these lines.
 
 use console::measure_text_width;
 
@@ -24,7 +24,8 @@ struct Message<'a> {
     details: &'a [&'a str],
     /// According to gcc, the line is inside a function or a lambda.
     is_in_function: bool,
-    /// Signature of the function that contains the line, according to gcc: `int home(int)`; empty for a lambda and if unknown.
+    /// Signature of the function that contains the line, according to gcc: `int home(int)`; empty for a lambda and if
+    /// unknown.
     function: &'a str,
     /// Text of the compiled source; empty for a message about another file.
     source: &'a str,
@@ -51,9 +52,9 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     translated.concat()
 }
 
-/// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code: fractions that are cut off, unless the
-/// number becomes 0, texts that are printed without a format, unless `+` joins the text, and arrays of arrays where a pointer to their
-/// elements is expected, as in `BYTE image[120][160][3]; CAMGet(image);`.
+/// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code: fractions that are
+/// cut off, unless the number becomes 0, texts that are printed without a format, unless `+` joins the text, and arrays
+/// of arrays where a pointer to their elements is expected, as in `BYTE image[120][160][3]; CAMGet(image);`.
 pub fn without_harmless_warnings(output: &str) -> String {
     let mut kept = String::new();
     // Lines before a message that belong to it: `a.c: In function 'main':`.
@@ -90,15 +91,16 @@ pub fn without_harmless_warnings(output: &str) -> String {
     kept
 }
 
-/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its elements are those
-/// of the parameter.
+/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its
+/// elements are those of the parameter.
 fn passes_array(lines: &[&str]) -> bool {
     let mut details = lines.iter().take_while(|line| !line.contains(": warning: ") && !line.contains(": error: "));
     let types = details.find_map(|line| line.split_once("note: expected '")?.1.split_once(" but argument is of type "));
     types.is_some_and(|(expected, given)| given.contains("(*)[") && element_type(expected) == element_type(given))
 }
 
-/// The type to whose values a pointer in a message of gcc leads, such as `unsigned char` for `BYTE (*)[160]' {aka 'unsigned char (*)[160]'}`.
+/// The type to whose values a pointer in a message of gcc leads, such as `unsigned char` for
+/// `BYTE (*)[160]' {aka 'unsigned char (*)[160]'}`.
 fn element_type(message: &str) -> &str {
     let quoted = message.trim_end().trim_end_matches(['}', '\'']);
     let meant = quoted.rsplit_once('\'').map_or(quoted, |(_, meant)| meant);
@@ -127,8 +129,8 @@ fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a
     messages
 }
 
-/// Parses the first line of a message about the program, without its details; `None` for other lines. `scope` is the last line that
-/// names a function.
+/// Parses the first line of a message about the program, without its details; `None` for other lines. `scope` is the
+/// last line that names a function.
 fn parse<'a>(line: &'a str, scope: Option<&'a str>, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
     let mut parts = line.splitn(4, ':');
     let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
@@ -667,8 +669,8 @@ impl Message<'_> {
         self.details.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
     }
 
-    /// Splits the program's line at the message's column. The caret and the column of gcc count the width of letters (1 or 2), the column
-    /// of clang counts bytes; the excerpt contains blanks in place of tabs.
+    /// Splits the program's line at the message's column. The caret and the column of gcc count the width of letters (1
+    /// or 2), the column of clang counts bytes; the excerpt contains blanks in place of tabs.
     fn split_code(&self) -> Option<(&str, &str)> {
         let code = self.code()?;
         let caret = self.details.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
@@ -943,7 +945,8 @@ impl Message<'_> {
         })
     }
 
-    /// The declaration of `function` in the compiler's notes, after a colon: ``: `int VWStraight(int dist, int lin_speed)```.
+    /// The declaration of `function` in the compiler's notes, after a colon: ``:
+    /// `int VWStraight(int dist, int lin_speed)```.
     fn function_declaration(&self, function: &str) -> String {
         let beginning = format!(" {function}(");
         let excerpt_code = |line: &&str| line.split_once(" | ").map(|(_, code)| code.trim().to_owned());
@@ -1054,8 +1057,8 @@ impl Message<'_> {
         })
     }
 
-    /// A call that writes a text or bytes to its first argument: the function and that argument. The call is at the column of the
-    /// message, or else the only such call in the line.
+    /// A call that writes a text or bytes to its first argument: the function and that argument. The call is at the
+    /// column of the message, or else the only such call in the line.
     fn writing_call(&self) -> Option<(&'static str, &str)> {
         let (code, right) = (self.code()?, self.split_code()?.1);
         let at_column = WRITING_FUNCTIONS
@@ -1214,7 +1217,8 @@ fn is_wrong_define(code: &str) -> bool {
     })
 }
 
-/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the `while` of a `do`.
+/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the
+/// `while` of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
     let code = code_only(code);
     let code = code.trim();

@@ -21,7 +21,8 @@ const TRANSLATIONS: &[(&str, &str)] = &[
     ("isn't initialized", "the variable has no value yet: give it one where it is declared"),
 ];
 
-/// Translates the first known message in cargo's `output` into one line: `src/lib.rs:7: this divides by 0`; empty if there is none.
+/// Translates the first known message in cargo's `output` into one line: `src/lib.rs:7: this divides by 0`; empty if
+/// there is none.
 pub fn in_plain_words(output: &str) -> String {
     let words = output.split("\n\n").find_map(|message| {
         let known =
@@ -60,7 +61,8 @@ fn unknown_name(message: &str) -> Option<String> {
     (!methods.is_empty()).then(|| format!("{subject}; among its methods are {}", quoted(&methods)))
 }
 
-/// The name that the compiler suggests for `name`, if it is similar: the quoted name, else the name in the changed line.
+/// The name that the compiler suggests for `name`, if it is similar: the quoted name, else the name in the changed
+/// line.
 fn suggested<'m>(message: &'m str, name: &str) -> Option<&'m str> {
     let help = message.lines().find(|line| line.starts_with("help: ") && line.contains(" similar name"))?;
     let suggestion = help.split('`').nth(1).or_else(|| replacement(message, name))?;

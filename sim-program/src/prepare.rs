@@ -26,7 +26,8 @@ pub struct Prepared {
     pub output: String,
     /// A compiler has run for this build.
     pub compiled: bool,
-    /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose it.
+    /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose
+    /// it.
     pub choice: Option<GenerationChoice>,
     /// Warnings about functions that make runs nondeterministic, one line each.
     pub warnings: Vec<String>,
@@ -54,7 +55,8 @@ impl Prepared {
         }
     }
 
-    /// Reason why several flows of this program cannot share a thread, see [`ProgramImage::why_thread_bound`]; `None` if they can.
+    /// Reason why several flows of this program cannot share a thread, see [`ProgramImage::why_thread_bound`]; `None`
+    /// if they can.
     pub fn why_thread_bound(&self) -> Option<&str> {
         match (&self.code, &self.source) {
             (Code::Library(image), ProgramSource::Sources { .. }) => image.why_thread_bound(),

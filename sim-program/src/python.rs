@@ -171,7 +171,8 @@ impl Python {
     pub fn command(&self, program: &Path) -> Command {
         let mut command = Command::new(&self.interpreter);
         command.arg("-B").arg(&self.eye).arg(program).env("PYTHONHASHSEED", "0").env("TZ", "UTC0");
-        // Multi-threaded sums depend on the number of threads, which differs by machine; the user may still set these variables.
+        // Multi-threaded sums depend on the number of threads, which differs by machine; the user may still set these
+        // variables.
         for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
             if std::env::var_os(name).is_none() {
                 command.env(name, "1");

@@ -51,7 +51,8 @@ impl RunFolder {
     }
 }
 
-/// Removes the folders of runs in `parent` that no process has locked. Folders of other users cannot be opened and remain.
+/// Removes the folders of runs in `parent` that no process has locked. Folders of other users cannot be opened and
+/// remain.
 fn remove_abandoned_in(parent: &Path) {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let run_folders = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));

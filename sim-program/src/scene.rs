@@ -116,8 +116,8 @@ fn is_of_command_line(program: &SpannedText) -> bool {
     program.span.line == 0
 }
 
-/// Name of a robot's program for messages and tables: the scene's reference to it, or the name of the folder if the reference is
-/// the `Cargo.toml` of a package.
+/// Name of a robot's program for messages and tables: the scene's reference to it, or the name of the folder if the
+/// reference is the `Cargo.toml` of a package.
 pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
     let Some(program) = &robot.program else { return String::new() };
     let text = program.text.replace('\\', "/");

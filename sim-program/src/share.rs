@@ -10,13 +10,13 @@ use std::os::fd::AsRawFd as _;
 
 use super::image::ReadOnlySegment;
 
-/// Maps the pages of `segments` in the copy at `base` from `common`, and frees them in `copy`, the file from which the copy was
-/// loaded. Pages that cannot be shared stay as they are.
+/// Maps the pages of `segments` in the copy at `base` from `common`, and frees them in `copy`, the file from which the
+/// copy was loaded. Pages that cannot be shared stay as they are.
 ///
 /// # Safety
-/// A library is loaded at `base`, and not unloaded meanwhile. `segments` belong to it and are mapped read-only, from a file with
-/// the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of memory. No other code
-/// changes either file.
+/// A library is loaded at `base`, and not unloaded meanwhile. `segments` belong to it and are mapped read-only, from a
+/// file with the same bytes there as `common`; no relocation changes them, and nothing else lies in their pages of
+/// memory. No other code changes either file.
 pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &File, copy: &File) {
     let page = page_size();
     for segment in segments {
@@ -27,9 +27,9 @@ pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &Fi
             continue;
         }
         let protection = if segment.is_code { libc::PROT_READ | libc::PROT_EXEC } else { libc::PROT_READ };
-        // SAFETY: the range consists of pages of this segment only, which the dynamic linker has mapped from the same offset of a
-        // file with the same bytes (this function's contract): replacing them changes no byte in use, and other threads see the old
-        // or the new mapping.
+        // SAFETY: the range consists of pages of this segment only, which the dynamic linker has mapped from the same
+        // offset of a file with the same bytes (this function's contract): replacing them changes no byte in use, and
+        // other threads see the old or the new mapping.
         let mapped = unsafe {
             libc::mmap(
                 std::ptr::with_exposed_provenance_mut(base + start),

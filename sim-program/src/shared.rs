@@ -38,8 +38,8 @@ unsafe impl Send for Variables {}
 unsafe impl Sync for Variables {}
 
 impl SharedCopy {
-    /// Shares the newly opened library among the robots of `worker`; its variables are in the address `ranges`, relative
-    /// to its base.
+    /// Shares the newly opened library among the robots of `worker`; its variables are in the address `ranges`,
+    /// relative to its base.
     ///
     /// # Safety
     /// The ranges are writable memory of the library, which only code of the library changes.
@@ -96,8 +96,8 @@ impl Variables {
     /// Swaps the values of these variables into the copy.
     ///
     /// # Safety
-    /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are dropped only when
-    /// none of their robots runs any more.
+    /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are
+    /// dropped only when none of their robots runs any more.
     #[inline]
     pub unsafe fn swap_in(&self) {
         let this = ptr::from_ref(self).cast_mut();

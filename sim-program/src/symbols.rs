@@ -41,8 +41,8 @@ fn reason_in_program(image: &ProgramImage) -> fn(&str) -> Option<&'static str> {
     }
 }
 
-/// Returns the reason why the program of `image` could end or stop the host on one of its threads, according to its imports and
-/// symbols: `` uses `fork`: starts or waits for processes, which are copies of the host ``.
+/// Returns the reason why the program of `image` could end or stop the host on one of its threads, according to its
+/// imports and symbols: `` uses `fork`: starts or waits for processes, which are copies of the host ``.
 pub fn danger_to_host(image: &ProgramImage) -> Option<String> {
     let resolver_danger =
         image.has_resolvers().then(|| "has IFUNC symbols: its code runs while it is being loaded".to_owned());

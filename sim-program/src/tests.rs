@@ -127,7 +127,8 @@ impl TestFolder {
         loaded.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Replaces the compiler by a script that logs its calls; returns a function that counts the calls, except queries of the version.
+    /// Replaces the compiler by a script that logs its calls; returns a function that counts the calls, except queries
+    /// of the version.
     fn count_compilations(&mut self) -> impl Fn() -> usize + use<> {
         let log = self.path("calls");
         let text = format!("#!/bin/sh\n[ \"$1\" = --version ] || echo \"$@\" >> '{}'\nexec cc \"$@\"\n", log.display());

@@ -28,8 +28,9 @@ pub enum WordsError {
 }
 
 /// Splits `text` into words: blanks separate, `'...'` is literal, inside `"..."` a back-slash escapes `"`, `\`, `$` and
-/// `` ` ``, outside of quotes it escapes any character. Nothing is expanded (`$HOME`, `*` and `~` are ordinary text) and
-/// `#` starts no comment.
+/// ``
+/// ` ``, outside of quotes it escapes any character. Nothing is expanded (`$HOME`, `*` and `~` are ordinary text) and `#`
+/// starts no comment.
 ///
 /// # Errors
 /// [`WordsError`] if a quote stays open, `text` ends with a lone back-slash or has a NUL.

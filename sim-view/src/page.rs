@@ -99,7 +99,8 @@ impl Page {
         Ok(inlined)
     }
 
-    /// The page as one HTML text that replays `recording`, the JSON text of a [`Recording`](crate::protocol::Recording).
+    /// The page as one HTML text that replays `recording`, the JSON text of a
+    /// [`Recording`](crate::protocol::Recording).
     ///
     /// # Errors
     /// [`NoPage`] with the reason.
@@ -119,8 +120,8 @@ fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     value.split_once('"').map(|(value, _)| value)
 }
 
-/// Escapes a script so that HTML finds no end tag and no comment in it: `\x3c` is `<` in all strings and regular expressions of
-/// JavaScript, and minified code has `</` and `<!--` nowhere else.
+/// Escapes a script so that HTML finds no end tag and no comment in it: `\x3c` is `<` in all strings and regular
+/// expressions of JavaScript, and minified code has `</` and `<!--` nowhere else.
 fn safe_script(script: &str) -> String {
     let mut safe = String::with_capacity(script.len());
     let mut rest = script;

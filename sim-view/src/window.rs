@@ -69,8 +69,8 @@ pub struct Window {
     hub: Arc<Hub>,
     commands: Commands,
     server: Arc<Server>,
-    /// Disconnected when the thread is about to end. The mutex is needed because several threads of the simulator share a
-    /// window.
+    /// Disconnected when the thread is about to end. The mutex is needed because several threads of the simulator share
+    /// a window.
     thread_end: Mutex<mpsc::Receiver<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -119,7 +119,8 @@ impl Window {
         self.address
     }
 
-    /// URL for the user who started the window, with the token, if any, in the fragment, which browsers never send to a server.
+    /// URL for the user who started the window, with the token, if any, in the fragment, which browsers never send to a
+    /// server.
     #[must_use]
     pub fn url(&self) -> String {
         match &self.access {
@@ -134,20 +135,20 @@ impl Window {
         format!("http://{}/", SocketAddr::new(reachable_address(self.address.ip()), self.address.port()))
     }
 
-    /// Shows the scene; must be called first, when a run starts, and when its bodies have changed. A new run number empties the list of
-    /// events.
+    /// Shows the scene; must be called first, when a run starts, and when its bodies have changed. A new run number
+    /// empties the list of events.
     pub fn show_scene(&self, scene: Scene) {
         self.hub.show_scene(scene);
     }
 
-    /// Shows the current state, with details of the robots that [`looks`](Self::looks) returns. Slow pages skip intermediate states. A detail
-    /// without a display keeps the display of the previous detail.
+    /// Shows the current state, with details of the robots that [`looks`](Self::looks) returns. Slow pages skip
+    /// intermediate states. A detail without a display keeps the display of the previous detail.
     pub fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         self.hub.show(snapshot, details);
     }
 
-    /// Shows layers of programs. A page receives those of the robot that it has selected; the last one of each name is kept for pages
-    /// that connect later.
+    /// Shows layers of programs. A page receives those of the robot that it has selected; the last one of each name is
+    /// kept for pages that connect later.
     pub fn show_layers(&self, layers: Vec<Layer>) {
         self.hub.show_layers(layers);
     }
@@ -187,7 +188,8 @@ impl Window {
         &self.commands
     }
 
-    /// Offers a download as `/files/NAME`; replaces an earlier download of that name. `recording.json` is also served as `/recording.json`.
+    /// Offers a download as `/files/NAME`; replaces an earlier download of that name. `recording.json` is also served
+    /// as `/recording.json`.
     pub fn offer(&self, name: &str, download: Download) {
         self.server.offer(name, download);
     }

@@ -907,7 +907,8 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
     [vec![first], more].concat().join("\n")
 }
 
-/// The first lines of all cases. Programs in Rust share a folder, since a new one compiles the API again; the others run beside them.
+/// The first lines of all cases. Programs in Rust share a folder, since a new one compiles the API again; the others
+/// run beside them.
 fn lines_of_all() -> Vec<String> {
     let rust = Scratch::new();
     let run = |is_rust: bool| {

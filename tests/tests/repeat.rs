@@ -78,8 +78,8 @@ fn a_robot_that_is_put_elsewhere_goes_on_from_there() {
         // The drive in progress ends at once where the robot is placed. The next drive covers 0.5 m along y.
         let (x, y) = (number(robot, "pose.x_m"), number(robot, "pose.y_m"));
         assert!((x - 2.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9, "{robot:#}");
-        // The intervention does not affect odometry, which measures 0.2 m and 0.5 m, within the distance driven during a
-        // call.
+        // The intervention does not affect odometry, which measures 0.2 m and 0.5 m, within the distance driven during
+        // a call.
         assert!((number(robot, "odometry.x_m") - 0.7).abs() < 1e-3, "{robot:#}");
         assert!((number(robot, "virtual_time_s") - 2.0).abs() < 0.01, "{robot:#}");
         let [placed] = &events(&scratch, "placed")[..] else { panic!("one robot is placed once") };

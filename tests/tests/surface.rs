@@ -80,8 +80,8 @@ fn what_threads_print_is_not_lost() {
     }
 }
 
-/// Threads that share a queue and a lock, a pool of threads, threads of asyncio, one that a timer starts, one that waits
-/// outside of Python's locks, and a loop that waits for a variable.
+/// Threads that share a queue and a lock, a pool of threads, threads of asyncio, one that a timer starts, one that
+/// waits outside of Python's locks, and a loop that waits for a variable.
 const THREADS: &str = r#"
 import asyncio, os, queue, random, threading, time
 from concurrent.futures import ThreadPoolExecutor

@@ -33,11 +33,12 @@ impl Shot {
 pub struct Agreement {
     /// Number of pixels compared.
     pub pixels: usize,
-    /// Number of pixels that differ from the reference at the pixel's centre: by another label, a depth error above [`DEPTH`], or a
-    /// colour error of more than one grey level.
+    /// Number of pixels that differ from the reference at the pixel's centre: by another label, a depth error above
+    /// [`DEPTH`], or a colour error of more than one grey level.
     pub differing: usize,
     /// Differing pixels that the reference cannot explain: their values are outside the range of the reference's values
-    /// at points within [`NEAR`] of the pixel's centre. This range includes surfaces that coincide with the nearest one.
+    /// at points within [`NEAR`] of the pixel's centre. This range includes surfaces that coincide with the nearest
+    /// one.
     pub wrong: Vec<Wrong>,
 }
 
@@ -56,7 +57,8 @@ pub struct Wrong {
 pub const NEAR: f64 = 0.01;
 /// Relative tolerance of depths.
 pub const DEPTH: f64 = 1e-5;
-/// Relative difference of depths up to which two surfaces are treated as coincident, since rounding decides which is nearer.
+/// Relative difference of depths up to which two surfaces are treated as coincident, since rounding decides which is
+/// nearer.
 const COINCIDENT: f64 = 1e-6;
 
 impl Agreement {
@@ -114,7 +116,8 @@ impl AddAssign for Agreement {
     }
 }
 
-/// Returns true if the label of a pixel occurs among the sights, and depth and colours are in their range, within the tolerances.
+/// Returns true if the label of a pixel occurs among the sights, and depth and colours are in their range, within the
+/// tolerances.
 fn is_within((colour, depth, label): ([u8; 3], f32, Label), sights: &[Sight]) -> bool {
     let is_in_range = |value: f64, slack: f64, property: &dyn Fn(&Sight) -> f64| {
         let min = sights.iter().map(property).fold(f64::INFINITY, f64::min);

@@ -1,7 +1,8 @@
 //! Slow reference renderer: it tests one ray per image point against each face in `f64`, with formulas other than the
 //! core's.
 //!
-//! It implements the documentation of [`sim_core::camera`] on pictures, colours and filters, and shares only the scenery with the core.
+//! It implements the documentation of [`sim_core::camera`] on pictures, colours and filters, and shares only the
+//! scenery with the core.
 
 mod agreement;
 
@@ -163,8 +164,8 @@ impl<'s> Reference<'s> {
         sights
     }
 
-    /// Colour of a pixel: the mean of `samples` x `samples` pixels of a picture enlarged by the factor `samples`; `None` if the
-    /// enlarged picture exceeds the maximum size.
+    /// Colour of a pixel: the mean of `samples` x `samples` pixels of a picture enlarged by the factor `samples`;
+    /// `None` if the enlarged picture exceeds the maximum size.
     pub fn pixel(&self, view: &View, column: u32, row: u32, samples: u32) -> Option<[f64; 3]> {
         let fine = view.enlarged(samples).ok()?;
         let corner = DVec2::new(f64::from(column), f64::from(row)) * f64::from(samples);
@@ -267,8 +268,8 @@ impl<'s> Reference<'s> {
                 .any(|body| body.faces.iter().any(|face| is_hit(body, face)))
     }
 
-    /// Filtered colour of a texture around the point `image_point` of the picture; `uv_at` maps points of the picture to points of the
-    /// texture.
+    /// Filtered colour of a texture around the point `image_point` of the picture; `uv_at` maps points of the picture
+    /// to points of the texture.
     fn filtered(
         &self,
         texture: &Arc<Texture>,
@@ -324,7 +325,8 @@ fn sight((shown, label, depth): (Shown, Label, f64), colour: [f64; 3], is_sunlit
     Sight { shown, label, depth, colour, is_sunlit }
 }
 
-/// Unit vector of the ray through a point of the image, in the world frame; `None` outside the field of view of a lens if `has_edge`.
+/// Unit vector of the ray through a point of the image, in the world frame; `None` outside the field of view of a lens
+/// if `has_edge`.
 fn ray(view: &View, image_point: DVec2, has_edge: bool) -> Option<DVec3> {
     let [width, height] = view.size().map(f64::from);
     // Offset to the left and up, in half widths of the image.
@@ -347,8 +349,8 @@ fn ray(view: &View, image_point: DVec2, has_edge: bool) -> Option<DVec3> {
     Some(view.world_from_camera().rotation * local)
 }
 
-/// Function that returns the rays through points around a pixel's centre. For a fisheye, rays are interpolated linearly between the
-/// neighbouring pixels, as in the definition of its footprints.
+/// Function that returns the rays through points around a pixel's centre. For a fisheye, rays are interpolated linearly
+/// between the neighbouring pixels, as in the definition of its footprints.
 fn rays_around(view: &View, middle: DVec2) -> impl Fn(DVec2) -> DVec3 {
     let ray = move |image_point| ray(view, image_point, false).unwrap_or_default();
     let change = move |step: DVec2| 0.5 * (ray(middle + step) - ray(middle - step));
@@ -406,8 +408,8 @@ impl Image {
         levels
     }
 
-    /// Image of half the size: rounded means of two by two texels. An odd last row or column is dropped; a single row or column is used
-    /// twice.
+    /// Image of half the size: rounded means of two by two texels. An odd last row or column is dropped; a single row
+    /// or column is used twice.
     fn half(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let texels = (0..width * height).map(|index| {
@@ -423,7 +425,8 @@ impl Image {
         self.texels[row * self.width + column]
     }
 
-    /// Bilinear interpolation between the four texels around `uv`: u to the right and v upwards, from 0 to 1 over the image.
+    /// Bilinear interpolation between the four texels around `uv`: u to the right and v upwards, from 0 to 1 over the
+    /// image.
     fn interpolated(&self, uv: DVec2, is_repeated: bool) -> [f64; 4] {
         let uv = if is_repeated { uv } else { uv.clamp(DVec2::ZERO, DVec2::ONE) };
         let (x, y) = (uv.x * self.width as f64 - 0.5, (1.0 - uv.y) * self.height as f64 - 0.5);

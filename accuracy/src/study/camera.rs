@@ -17,7 +17,8 @@ const SETTINGS: [([u32; 2], u32); 6] =
     [([80, 60], 1), ([160, 120], 1), ([320, 240], 1), ([160, 120], 2), ([160, 120], 3), ([160, 120], 4)];
 /// Numbers of pictures with noise, and samples along a pixel's side in each.
 const WITH_NOISE: [(u64, u32); 5] = [(1, 1), (1, 4), (10, 4), (100, 1), (100, 4)];
-/// Noise of a pixel in the preset `real`, without the blur of the lens, which the mean of many pictures does not remove.
+/// Noise of a pixel in the preset `real`, without the blur of the lens, which the mean of many pictures does not
+/// remove.
 const NOISE: ImageNoise =
     ImageNoise { blur: 0.0, sigma: 4.0, salt_and_pepper: 0.000_5, salt: 0.5, hundreds_and_thousands: 0.0 };
 const SEED: u64 = 264_000;
@@ -52,8 +53,9 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
 }
 
-/// Columns and rows of the compared pixels, spread over the image. The rows are at equal intervals. From one row to the next, the column
-/// changes by a step that is coprime to the width and near its golden section, so that no column is compared twice.
+/// Columns and rows of the compared pixels, spread over the image. The rows are at equal intervals. From one row to the
+/// next, the column changes by a step that is coprime to the width and near its golden section, so that no column is
+/// compared twice.
 fn compared_pixels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     let coprime = |step: &u32| {
         let (mut a, mut b) = (width, *step);
@@ -196,8 +198,8 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 14 + WITH_NOISE.len());
         let noisy: Vec<f64> = rows[14..].iter().map(|row| row.error).collect();
-        // A normal error with a standard deviation of 4 levels has a mean magnitude of 3.2; the mean of a hundred pictures is nearly the
-        // picture without noise.
+        // A normal error with a standard deviation of 4 levels has a mean magnitude of 3.2; the mean of a hundred
+        // pictures is nearly the picture without noise.
         assert!(noisy[0] > 3.0 && noisy[1] > 3.0 && noisy[1] < 4.0, "{noisy:?}");
         assert!((noisy[3] - rows[8].error).abs() < 0.2 && noisy[4] < 0.6 && noisy[4] < noisy[2], "{noisy:?}");
         for rows in rows[..14].chunks(7) {

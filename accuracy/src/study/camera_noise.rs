@@ -1,10 +1,10 @@
-//! `camera-noise`: mean and standard deviation of each pixel over many pictures with noise, compared with the closed forms of the noise
-//! model.
+//! `camera-noise`: mean and standard deviation of each pixel over many pictures with noise, compared with the closed
+//! forms of the noise model.
 //!
-//! The picture without noise shows the room with its shadows. The closed form blurs it with a separately computed kernel (power series of
-//! the Bessel functions) and then sums over the 256 levels. The distribution of the levels is the normal distribution, rounded and clamped,
-//! mixed with salt and pepper and with random colours. If the distribution is right, the errors fall with the square root of the
-//! number of pictures; otherwise they stop falling.
+//! The picture without noise shows the room with its shadows. The closed form blurs it with a separately computed
+//! kernel (power series of the Bessel functions) and then sums over the 256 levels. The distribution of the levels is
+//! the normal distribution, rounded and clamped, mixed with salt and pepper and with random colours. If the
+//! distribution is right, the errors fall with the square root of the number of pictures; otherwise they stop falling.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -155,7 +155,8 @@ fn deviation(sums: &[(f64, f64)], truth: &[&Moments], count: f64) -> Deviation {
         return Deviation { mean, expected_mean, ..Deviation::default() };
     }
     let found = mean_over_channels(&|sum, squares, _| (squares - sum * sum / count) / (count - 1.0));
-    // Variance of a sample variance. A normal error with the standard deviation s has a mean magnitude of sqrt(2 / pi) s.
+    // Variance of a sample variance. A normal error with the standard deviation s has a mean magnitude of sqrt(2 / pi)
+    // s.
     let variance_of_variance =
         |truth: &Moments| (truth.fourth - truth.variance * truth.variance * (count - 3.0) / (count - 1.0)) / count;
     let pooled_error = (mean_over_channels(&|_, _, truth| variance_of_variance(truth)) / channels).sqrt();
@@ -180,7 +181,8 @@ impl Moments {
     /// Closed form for a channel whose level after the blur is `level`.
     fn of(model: &ImageNoise, level: u8) -> Self {
         let level = f64::from(level);
-        // The level is k if the normal number is within half a level of k; the lowest and the highest level include the tails.
+        // The level is k if the normal number is within half a level of k; the lowest and the highest level include the
+        // tails.
         let below = |edge: f64| normal_cdf((edge - level) / model.sigma);
         let normal = |k: f64| {
             let high = if k == 255.0 { 1.0 } else { below(k + 0.5) };
@@ -201,8 +203,8 @@ impl Moments {
     }
 }
 
-/// Levels of all channels after the blur, by the documented formula in double precision: weights exp(-t) I_n(t) with t = `sigma`^2, cut
-/// off beyond four standard deviations and a pixel, and mirrored borders.
+/// Levels of all channels after the blur, by the documented formula in double precision: weights exp(-t) I_n(t) with t
+/// = `sigma`^2, cut off beyond four standard deviations and a pixel, and mirrored borders.
 fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     let radius = (4.0 * sigma).ceil() as i64 + 1;
     let half = 0.5 * sigma * sigma;
@@ -291,7 +293,8 @@ mod tests {
     fn errors_of_pixels_have_their_expected_size() {
         for (name, model) in MODELS {
             let found = measured(&exact_picture(), model)[2];
-            // With 14,400 channels, the relative standard error is below 1 %, but larger with rare white and black pixels.
+            // With 14,400 channels, the relative standard error is below 1 %, but larger with rare white and black
+            // pixels.
             assert!((found.mean / found.expected_mean - 1.0).abs() < 0.05, "{name}: {found:?}");
         }
     }

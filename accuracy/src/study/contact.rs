@@ -1,4 +1,5 @@
-//! `contact`: error of the instant at which a robot hits a wall, by the core's closed form and by testing for overlap after each step.
+//! `contact`: error of the instant at which a robot hits a wall, by the core's closed form and by testing for overlap
+//! after each step.
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::touch::{Approach, Case};

@@ -19,8 +19,8 @@ pub const ODOMETRY: Study = Study {
     run: odometry,
 };
 
-/// Lengths of slots and steps, us; each divides a second. Runge-Kutta is not run with the first one, at which it takes longest and rounding
-/// dominates its error.
+/// Lengths of slots and steps, us; each divides a second. Runge-Kutta is not run with the first one, at which it takes
+/// longest and rounding dominates its error.
 const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
 fn drive(effort: Effort) -> Outcome {

@@ -1,8 +1,8 @@
 //! `imperfect-motion`: compares a minute of driving with wheel lag, unequal wheels, slip and noise with a reference in
 //! double-double arithmetic.
 //!
-//! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheel speeds and arcs with its own
-//! formulas. It shares only the random streams with the simulator.
+//! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheel speeds and arcs with its
+//! own formulas. It shares only the random streams with the simulator.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! `legs`: closure of the chains of legs, and slip of standing feet, over walks of the biped and of ALDURO.
 //!
-//! The study computes each foot from the joint angles with its own trigonometry. Standing feet are compared with their footholds, with
-//! their position at touch-down and with the floor, swinging feet with the path of the gait. The method for comparison interpolates joint
-//! angles between samples.
+//! The study computes each foot from the joint angles with its own trigonometry. Standing feet are compared with their
+//! footholds, with their position at touch-down and with the floor, swinging feet with the path of the gait. The method
+//! for comparison interpolates joint angles between samples.
 
 use std::sync::Arc;
 

@@ -1,8 +1,9 @@
 //! `maps`: fraction of wrong or unknown cells in maps from sonars, against the computing time of the map.
 //!
-//! A ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with boxes, and makes two scans at each
-//! stop, half a sector apart. All methods of `mapping` build their maps from the same readings at exact poses. The error is the fraction
-//! of free cells and surfaces that are wrong or unknown in the map, as a mean over the rooms.
+//! A ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with boxes, and makes
+//! two scans at each stop, half a sector apart. All methods of `mapping` build their maps from the same readings at
+//! exact poses. The error is the fraction of free cells and surfaces that are wrong or unknown in the map, as a mean
+//! over the rooms.
 
 use std::f64::consts::{FRAC_PI_6, TAU};
 use std::sync::Arc;
@@ -67,7 +68,8 @@ const ROOMS: usize = 20;
 /// Height of the sonars, m, large enough that the floor returns no echo.
 const HEIGHT: f64 = 40.0;
 
-/// A method to build maps: its name, and a function that returns the probabilities of all cells from the readings of all stops.
+/// A method to build maps: its name, and a function that returns the probabilities of all cells from the readings of
+/// all stops.
 type Method = (&'static str, fn(&GridGeometry, &[Vec<Reading>]) -> Grid<f64>);
 
 const METHODS: [Method; 5] = [

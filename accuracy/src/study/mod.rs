@@ -1,7 +1,7 @@
 //! Studies: each measures error and time of several methods for one task at several settings.
 //!
-//! Errors depend only on the code and are the same in every run; times depend on the machine. The caller makes tables, files and pictures
-//! from the [`Outcome`]s.
+//! Errors depend only on the code and are the same in every run; times depend on the machine. The caller makes tables,
+//! files and pictures from the [`Outcome`]s.
 
 mod camera;
 mod camera_noise;

@@ -1,9 +1,9 @@
 //! `moving-target`: a sensor at rest measures the distance to a robot whose program changes its speed.
 //!
-//! The sensor measures the motion published at the start of the slot, so a command has an effect only after the slot's end.
-//! The error is at most the change of speed times the slot's length, and zero in a slot without a command. The method for
-//! comparison is a simulator that freezes other robots at their poses at the start of the slot; its error grows with the
-//! speed, in every slot. Errors are root mean squares.
+//! The sensor measures the motion published at the start of the slot, so a command has an effect only after the slot's
+//! end. The error is at most the change of speed times the slot's length, and zero in a slot without a command. The
+//! method for comparison is a simulator that freezes other robots at their poses at the start of the slot; its error
+//! grows with the speed, in every slot. Errors are root mean squares.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

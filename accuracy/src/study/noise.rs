@@ -1,9 +1,9 @@
 //! `noise`: convergence of random numbers to their distribution, and the cost of one number.
 //!
-//! The error is the Kolmogorov-Smirnov distance between the sample and its distribution. For numbers drawn from the distribution the
-//! distance falls approximately as 0.87 / sqrt(n); if it stops falling, the numbers follow another distribution. Normal numbers by the
-//! inverse distribution function, the simulator's method, are compared with normal numbers by Box and Muller (1958) and with the sum of
-//! twelve uniform numbers, which is only approximately normal.
+//! The error is the Kolmogorov-Smirnov distance between the sample and its distribution. For numbers drawn from the
+//! distribution the distance falls approximately as 0.87 / sqrt(n); if it stops falling, the numbers follow another
+//! distribution. Normal numbers by the inverse distribution function, the simulator's method, are compared with normal
+//! numbers by Box and Muller (1958) and with the sum of twelve uniform numbers, which is only approximately normal.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,5 @@
-//! `rays-3d`: distances along rays to triangles, by the index and by brute force, and to the same walls in two and in three dimensions.
+//! `rays-3d`: distances along rays to triangles, by the index and by brute force, and to the same walls in two and in
+//! three dimensions.
 
 use glam::{DVec2, DVec3};
 use sim_core::scene::{Bounds, MeshIndex, Segment, Walls};
@@ -34,7 +35,8 @@ struct Case {
     truth: f64,
 }
 
-/// Row with the error and the time of `cast`, which returns metres. `None`, for a ray without a hit, is treated as a hit at the range.
+/// Row with the error and the time of `cast`, which returns metres. `None`, for a ray without a hit, is treated as a
+/// hit at the range.
 fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
     let distance = |case: &Case| cast(case).unwrap_or(RANGE);
     let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();

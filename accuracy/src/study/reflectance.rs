@@ -1,8 +1,8 @@
-//! `reflectance`: distance recovered from the signal of a reflectance sensor, by the root as printed in the paper and by the numerically
-//! stable root.
+//! `reflectance`: distance recovered from the signal of a reflectance sensor, by the root as printed in the paper and
+//! by the numerically stable root.
 //!
-//! Both invert s = (max - d) / d^2 for a surface at zero incidence (France et al. 1999, Eq. 1 and section 5). The printed root
-//! subtracts two numbers that become equal as the signal vanishes.
+//! Both invert s = (max - d) / d^2 for a surface at zero incidence (France et al. 1999, Eq. 1 and section 5). The
+//! printed root subtracts two numbers that become equal as the signal vanishes.
 
 use sim_core::sensor::recovered_distance;
 
@@ -68,8 +68,8 @@ fn power_of_ten(exponent: i32) -> f64 {
     if exponent < 0 { 1.0 / power } else { power }
 }
 
-/// Reference distance d for a signal s: Newton's method for u = max - d with the equation u = s (max - u)^2, which keeps digits
-/// that an equation for d would lose.
+/// Reference distance d for a signal s: Newton's method for u = max - d with the equation u = s (max - u)^2, which
+/// keeps digits that an equation for d would lose.
 fn distance_of(signal: f64) -> f64 {
     let mut u = 0.0;
     for _ in 0..100 {

@@ -1,8 +1,9 @@
 //! `shadow`: edges of shadows in pictures, with and without noise, compared with their projection.
 //!
-//! A screen stands on grey ground, and cameras above the ground look down at the edge of its shadow. The truth is geometry: the top edge
-//! of the screen, projected along the sun's rays onto the ground and then into the picture. In a picture, the edge's position in a row (or
-//! column) is the sum of the pixels' dark fractions, computed from their grey levels, so a half-covered pixel adds a half.
+//! A screen stands on grey ground, and cameras above the ground look down at the edge of its shadow. The truth is
+//! geometry: the top edge of the screen, projected along the sun's rays onto the ground and then into the picture. In a
+//! picture, the edge's position in a row (or column) is the sum of the pixels' dark fractions, computed from their grey
+//! levels, so a half-covered pixel adds a half.
 
 use std::sync::Arc;
 
@@ -86,8 +87,8 @@ fn views() -> Vec<View> {
     (0..VIEWS).map(|_| view()).collect()
 }
 
-/// The edge in a picture: its column as a linear function of the row, or its row as a linear function of the column if `is_level`; both
-/// from the upper left corner.
+/// The edge in a picture: its column as a linear function of the row, or its row as a linear function of the column if
+/// `is_level`; both from the upper left corner.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     is_level: bool,
@@ -126,7 +127,8 @@ impl Line {
     }
 }
 
-/// Mean distance, in pixels, between the edges in pictures and their projections; `level` returns the grey level of a view's pixel.
+/// Mean distance, in pixels, between the edges in pictures and their projections; `level` returns the grey level of a
+/// view's pixel.
 fn error(views: &[View], level: impl Fn(usize, [u32; 2]) -> f64) -> f64 {
     let [dark, bright] = [LIGHT.ambient, LIGHT.ambient + LIGHT.diffuse * LIGHT.sun_direction.z]
         .map(|brightness| brightness * f64::from(GREY));
@@ -249,8 +251,8 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), SAMPLES.len() + MODELS.len() * COUNTS.len());
         let errors: Vec<f64> = rows.iter().map(|row| row.error).collect();
-        // With one sample per pixel the error is at most half a pixel and a quarter on average; with s samples per side it is at most an
-        // s-th of this.
+        // With one sample per pixel the error is at most half a pixel and a quarter on average; with s samples per side
+        // it is at most an s-th of this.
         assert!(errors[0] < 0.3 && errors[3] < 0.04, "{errors:?}");
         assert!(errors[4..].chunks(3).all(|errors| errors[2] < 0.5 * errors[0] && errors[2] < 0.15), "{errors:?}");
     }

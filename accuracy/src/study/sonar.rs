@@ -1,9 +1,10 @@
 //! `sonar`: error of a sonar's readings as a function of its number of rays.
 //!
-//! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one unknown,
-//! solved by bisection; for low walls, the same at 41 heights. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point of each
-//! wall, by formulas other than the core's. The study also measures a sensor with the same beam that only samples rays and ignores the
-//! nearest points of the walls.
+//! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one
+//! equation in one unknown, solved by bisection; for low walls, the same at 41 heights. In rooms of rough and smooth
+//! walls it is brute force: tens of thousands of rays, and the nearest point of each wall, by formulas other than the
+//! core's. The study also measures a sensor with the same beam that only samples rays and ignores the nearest points of
+//! the walls.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;
@@ -30,7 +31,8 @@ pub const STUDY: Study =
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
 /// Number of rays of the reference for rooms; they are about 1e-4 rad apart.
 const REFERENCE_RAYS: u32 = 30_000;
-/// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the threshold.
+/// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the
+/// threshold.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
 /// Height of the sensor above the floor in front of walls of unlimited height, m.
 const HEIGHT: f64 = 40.0;
@@ -77,7 +79,8 @@ fn run(effort: Effort) -> Outcome {
 
 type Method = fn(&Case, &Sonar) -> Option<f64>;
 
-/// Row of the mean error over the cases and of the time per reading. A missing echo is treated as a reading of `sonar.max`.
+/// Row of the mean error over the cases and of the time per reading. A missing echo is treated as a reading of
+/// `sonar.max`.
 fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
     let sonar = Sonar { rays, ..Sonar::srf08() };
     let absolute_error =
@@ -134,7 +137,8 @@ fn ray_angle(ray: u32, rays: u32) -> f64 {
     REFERENCE_HALF_ANGLE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
 }
 
-/// Cases of a sensor pitched by up to `pitch` rad, and a rough wall 0.3 to 4 m ahead that is turned by up to 80 degrees.
+/// Cases of a sensor pitched by up to `pitch` rad, and a rough wall 0.3 to 4 m ahead that is turned by up to 80
+/// degrees.
 fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     let mut random = Random::new(8);
     let draw = || {
@@ -156,8 +160,8 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Cases of a sensor pitched by up to `pitch` rad, a ball behind it, and a low, rough wall 0.3 to 4 m ahead that is turned by up to 80
-/// degrees.
+/// Cases of a sensor pitched by up to `pitch` rad, a ball behind it, and a low, rough wall 0.3 to 4 m ahead that is
+/// turned by up to 80 degrees.
 fn low_walls(count: usize, pitch: f64) -> Vec<Case> {
     let mut random = Random::new(10);
     let draw = || {
@@ -185,10 +189,11 @@ fn low_walls(count: usize, pitch: f64) -> Vec<Case> {
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Distance of the nearest detectable echo from a low, rough wall that cuts the horizontal line of sight `ahead` m from the sensor.
+/// Distance of the nearest detectable echo from a low, rough wall that cuts the horizontal line of sight `ahead` m from
+/// the sensor.
 ///
-/// The reference tests 41 heights, and at each the points of the wall from the nearest one on, 2000 in the quarter turn, in the direction
-/// in which they approach the line of sight. The first detectable point is refined by bisection.
+/// The reference tests 41 heights, and at each the points of the wall from the nearest one on, 2000 in the quarter
+/// turn, in the direction in which they approach the line of sight. The first detectable point is refined by bisection.
 fn nearest_echo_of_low_wall(ahead: f64, turn: f64, pitch: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let forward = DVec3::new(math::cos(pitch), 0.0, -math::sin(pitch));
@@ -222,11 +227,12 @@ fn nearest_echo_of_low_wall(ahead: f64, turn: f64, pitch: f64) -> Option<f64> {
     (0..=40).filter_map(at_height).min_by(f64::total_cmp).filter(|distance| *distance <= sonar.max)
 }
 
-/// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m, `off_axis` rad from the line
-/// of sight.
+/// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m,
+/// `off_axis` rad from the line of sight.
 ///
-/// A point of the plane at the incidence angle alpha is at the distance nearest_distance / cos(alpha), and at least off_axis - alpha from
-/// the line of sight. The smallest alpha with a detectable echo is searched from 0 on and refined by bisection.
+/// A point of the plane at the incidence angle alpha is at the distance nearest_distance / cos(alpha), and at least
+/// off_axis - alpha from the line of sight. The smallest alpha with a detectable echo is searched from 0 on and refined
+/// by bisection.
 fn nearest_echo(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let distance = |alpha: f64| nearest_distance / math::cos(alpha);
@@ -246,8 +252,8 @@ fn nearest_echo(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     Some(distance(detected)).filter(|distance| *distance <= sonar.max)
 }
 
-/// Energy of an echo from `distance` m, `angle` rad from the line of sight; the surface reflects the fraction `reflectance` of the energy
-/// in this direction.
+/// Energy of an echo from `distance` m, `angle` rad from the line of sight; the surface reflects the fraction
+/// `reflectance` of the energy in this direction.
 fn energy(angle: f64, distance: f64, reflectance: f64) -> f64 {
     let angle_ratio = angle / Sonar::srf08().half_angle;
     let two_way_gain = math::exp(-4.0 * LN_2 * angle_ratio * angle_ratio);
@@ -273,8 +279,8 @@ fn rooms(count: usize) -> Vec<Case> {
             let yaw = math::atan2(forward.y, forward.x);
             let truths = [true, false]
                 .map(|include_hidden| nearest_echo_in_room(&segments, &surfaces, origin, forward, include_hidden));
-            // Whether the hidden wall of a corner returns an echo is a matter of definition, so cases in which it changes the reading
-            // are skipped.
+            // Whether the hidden wall of a corner returns an echo is a matter of definition, so cases in which it
+            // changes the reading are skipped.
             if truths[0] != truths[1] {
                 continue;
             }
@@ -290,7 +296,8 @@ fn rooms(count: usize) -> Vec<Case> {
 
 /// Nearest echo in a room of upright walls, by brute force.
 ///
-/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall also returns an echo.
+/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall also returns an
+/// echo.
 fn nearest_echo_in_room(
     segments: &[Segment],
     surfaces: &[Surface],
@@ -322,8 +329,8 @@ fn nearest_echo_in_room(
         let fraction = (origin - segment.a).dot(along) / along.length_squared();
         let point = segment.a + fraction.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
-        // Tolerance of a nanometre for walls that share the point. A second ray aims 0.1 um from the point along the wall: if it hits
-        // another wall, this one is hidden.
+        // Tolerance of a nanometre for walls that share the point. A second ray aims 0.1 um from the point along the
+        // wall: if it hits another wall, this one is hidden.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
         let is_unobstructed = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();

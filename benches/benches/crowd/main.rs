@@ -1,5 +1,5 @@
-//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, robots that wait, and a swarm beside
-//! other simulators.
+//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, robots that wait, and a
+//! swarm beside other simulators.
 //!
 //! A custom harness: criterion would run each scene a hundred times and does not measure memory.
 #![forbid(unsafe_code)]

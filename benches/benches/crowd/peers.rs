@@ -1,7 +1,8 @@
 //! The swarm in `eyesim` and in other simulators, with the same scene and controller.
 //!
-//! The programs of the peers are in `benches/peers/`. `SWARM_PYTHON` names a Python with the wheels `mujoco`, `ir-sim` and `numpy`; without
-//! it only `eyesim` is measured. The plot is written to `target/swarm-peers.svg`, or to the path in `SWARM_PLOT`.
+//! The programs of the peers are in `benches/peers/`. `SWARM_PYTHON` names a Python with the wheels `mujoco`, `ir-sim`
+//! and `numpy`; without it only `eyesim` is measured. The plot is written to `target/swarm-peers.svg`, or to the path
+//! in `SWARM_PLOT`.
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -71,8 +72,8 @@ const SIMULATORS: [Simulator; 9] = [
     },
 ];
 
-/// Figures that were measured earlier, on another machine of the kind: thousand robot-steps per second, as lowest and highest, for 1 to
-/// 1,000 robots.
+/// Figures that were measured earlier, on another machine of the kind: thousand robot-steps per second, as lowest and
+/// highest, for 1 to 1,000 robots.
 const QUOTED: [(&str, [(f64, f64); 4]); 2] = [
     ("ARGoS 3 (e-puck), 20 Nov. 2026", [(145.0, 145.0), (290.0, 290.0), (253.0, 253.0), (160.0, 177.0)]),
     ("Stage 4.3, 20 Nov. 2026", [(49.0, 112.0), (130.0, 240.0), (65.0, 72.0), (29.0, 39.0)]),
@@ -143,8 +144,8 @@ pub fn compare(is_smoke_test: bool) {
 }
 
 impl Simulator {
-    /// Runs the swarm of the scratch folder; returns also the largest overlap in mm, where the simulator allows overlaps. `None` without
-    /// the peer.
+    /// Runs the swarm of the scratch folder; returns also the largest overlap in mm, where the simulator allows
+    /// overlaps. `None` without the peer.
     fn run(&self, scratch: &Scratch, peers: Option<&Peers>, robots: usize, seconds: f64) -> Option<(Run, Option<f64>)> {
         let arguments = [robots.to_string(), seconds.to_string(), LIMIT_S.to_string()];
         match self.kind {

@@ -1,8 +1,8 @@
 //! Casts the rays of the benches a fixed number of times, for counters: `cast-rays SET TURNS`.
 //!
 //! A set is `psd`, `lidar` or `maze` among walls, or `terrain-camera`, `terrain-psd`, `terrain-lidar` or
-//! `terrain-incoherent`. The output is the number of rays, the time of the fastest turn in ns per ray, and a hash of the
-//! bits of all distances.
+//! `terrain-incoherent`. The output is the number of rays, the time of the fastest turn in ns per ray, and a hash of
+//! the bits of all distances.
 #![forbid(unsafe_code)]
 
 use std::env;

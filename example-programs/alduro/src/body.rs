@@ -1,4 +1,5 @@
-//! Geometry of ALDURO, as in `robis/alduro.toml`: metres and radians in the robot's frame (x forward, y left, z up from the ground).
+//! Geometry of ALDURO, as in `robis/alduro.toml`: metres and radians in the robot's frame (x forward, y left, z up from
+//! the ground).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,5 +1,5 @@
-//! Tests of the planner without a simulator: a robot that follows every command exactly, on level ground with boulders that are
-//! parabolic domes, whose ray hits have a closed form.
+//! Tests of the planner without a simulator: a robot that follows every command exactly, on level ground with boulders
+//! that are parabolic domes, whose ray hits have a closed form.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -149,7 +149,8 @@ struct Outcome {
     remaining_distance: f64,
 }
 
-/// Simulates a walk with 1 % of the echoes lost, errors of 0.5 %, and a drift of the heading that odometry does not see.
+/// Simulates a walk with 1 % of the echoes lost, errors of 0.5 %, and a drift of the heading that odometry does not
+/// see.
 fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
     let mut planner = Planner::new(0.0, Corrections::Both);
     let mut truth = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };

@@ -1,4 +1,5 @@
-//! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): two vectors towards the obstacles around it.
+//! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): two vectors towards the obstacles
+//! around it.
 //!
 //! Eq. 4 and 5 print only the length of each p_k, but sum the p_k as vectors. Here each p_k has the direction of the
 //! unit vector from the shank to the point.
@@ -61,8 +62,8 @@ pub fn low(
 
 type Vector<const N: usize> = nalgebra::SVector<f64, N>;
 
-/// p_k: (l_max - l_k) / l_max along the unit vector to the point. `None` beyond l_max, and for a point at the reference itself,
-/// which has no direction.
+/// p_k: (l_max - l_k) / l_max along the unit vector to the point. `None` beyond l_max, and for a point at the reference
+/// itself, which has no direction.
 fn vector<const N: usize>(offset: Vector<N>, reach: f64, membership: f64) -> Option<Vector<N>> {
     let length = offset.norm();
     (length > 0.0 && length < reach && membership > 0.0)

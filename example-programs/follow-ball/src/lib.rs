@@ -1,8 +1,9 @@
 //! Finds a ball by its colour, drives to it and stops in front of it.
 //!
-//! A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
-//! are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of adjacent columns with the most
-//! ball pixels, where each column has at least two. The width of the run gives the distance of the ball.
+//! A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower
+//! saturation. Pixels are counted by column, so that single pixels coloured by noise do not matter: the ball is the run
+//! of adjacent columns with the most ball pixels, where each column has at least two. The width of the run gives the
+//! distance of the ball.
 //!
 //! Optional argument: the hue, 0 to 255: `follow-ball 65`.
 
@@ -29,7 +30,8 @@ const TURN: TurnRate = TurnRate::degrees_per_second(60.0);
 const FULL_TURN_TIME: Duration = Duration::from_millis(6700);
 
 const SIZE: ImageSize = ImageSize::QQVGA;
-/// Focal length in pixels, of a camera with a field of view of 60 degrees: half of the width over the tangent of 30 degrees.
+/// Focal length in pixels, of a camera with a field of view of 60 degrees: half of the width over the tangent of 30
+/// degrees.
 const FOCAL_PX: f64 = 80.0 / 0.577_350_269;
 
 /// The columns of the image that the ball fills.

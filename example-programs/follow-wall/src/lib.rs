@@ -1,7 +1,7 @@
 //! Follows the wall at its left, forever: turns away from walls ahead and around corners.
 //!
-//! The diagonal sensor sees the wall a little ahead of the robot. Its reading depends on the distance and on the heading, so one gain
-//! is enough to steer.
+//! The diagonal sensor sees the wall a little ahead of the robot. Its reading depends on the distance and on the
+//! heading, so one gain is enough to steer.
 
 use robios_api::prelude::*;
 

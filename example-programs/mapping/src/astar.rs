@@ -1,8 +1,8 @@
 //! Shortest paths on grids: A* and Dijkstra over eight neighbours.
 //!
-//! A step leads to one of the eight neighbours; a diagonal step requires that both cells beside it may be entered, so paths do
-//! not cut corners. The cost of a step is its length in metres times the factor of the cell that it enters. The choice among paths of
-//! equal cost is deterministic.
+//! A step leads to one of the eight neighbours; a diagonal step requires that both cells beside it may be entered, so
+//! paths do not cut corners. The cost of a step is its length in metres times the factor of the cell that it enters.
+//! The choice among paths of equal cost is deterministic.
 //!
 //! For clearance, `factor` can return `None` for cells that are too near to obstacles (see
 //! [`distance`](crate::distance)), and higher costs for cells at the edge of the clearance.
@@ -26,11 +26,12 @@ pub struct Path {
 
 /// A path of minimum cost from `start` to `goal`; `None` if there is no path.
 ///
-/// `factor` is the cost per metre of a step into a cell, at least 1, or `None` if the cell must not be entered. It is never
-/// called for the start, so that a robot can leave a forbidden cell.
+/// `factor` is the cost per metre of a step into a cell, at least 1, or `None` if the cell must not be entered. It is
+/// never called for the start, so that a robot can leave a forbidden cell.
 ///
 /// # Panics
-/// If start or goal lie outside the frame, or a factor is below 1 (then the estimate of the remaining cost would be too high).
+/// If start or goal lie outside the frame, or a factor is below 1 (then the estimate of the remaining cost would be too
+/// high).
 pub fn shortest_path(
     frame: &GridGeometry,
     factor: impl Fn(Cell) -> Option<f64>,
@@ -41,7 +42,8 @@ pub fn shortest_path(
     search(frame, factor, start, |cell| cell == goal, |cell| octile(cell, goal) * frame.cell_size())
 }
 
-/// A path of minimum cost from `start` to any cell for which `is_goal` returns true; `None` if no such cell can be reached.
+/// A path of minimum cost from `start` to any cell for which `is_goal` returns true; `None` if no such cell can be
+/// reached.
 ///
 /// # Panics
 /// As [`shortest_path`].
@@ -64,7 +66,8 @@ pub fn costs(frame: &GridGeometry, factor: impl Fn(Cell) -> Option<f64>, start: 
     search.costs
 }
 
-/// Octile distance: length of the shortest path between two cells over eight neighbours without obstacles, in units of a cell's side.
+/// Octile distance: length of the shortest path between two cells over eight neighbours without obstacles, in units of
+/// a cell's side.
 fn octile(from: Cell, to: Cell) -> f64 {
     let (columns, rows) = (from.column.abs_diff(to.column) as f64, from.row.abs_diff(to.row) as f64);
     columns.max(rows) + (SQRT_2 - 1.0) * columns.min(rows)
@@ -103,7 +106,8 @@ impl Search {
         Self { frame: *frame, costs, predecessors: Grid::new(*frame, None), is_final: Grid::new(*frame, false), open }
     }
 
-    /// Makes the cost of the next open cell final, updates its neighbours, and returns the cell; `None` if no cell is open.
+    /// Makes the cost of the next open cell final, updates its neighbours, and returns the cell; `None` if no cell is
+    /// open.
     fn settle_next(&mut self, factor: &impl Fn(Cell) -> Option<f64>, estimate: &impl Fn(Cell) -> f64) -> Option<Cell> {
         let cell = loop {
             let Open { cell, .. } = self.open.pop()?;
@@ -145,7 +149,8 @@ impl Search {
     }
 }
 
-/// An open cell. The order is reversed for the heap: the minimum estimate comes first, and the minimum cell among equals.
+/// An open cell. The order is reversed for the heap: the minimum estimate comes first, and the minimum cell among
+/// equals.
 struct Open {
     /// Cost to the cell plus the estimated remaining cost.
     estimated_total: f64,

@@ -1,15 +1,15 @@
 //! Exact Euclidean distance transform: the distance of each cell of a grid from the nearest feature cell.
 //!
-//! Two passes in integers, without rounding: the distance along each column, then in each row the lower envelope of parabolas whose
-//! minima are the squares of these distances. The time is linear in the number of cells.
+//! Two passes in integers, without rounding: the distance along each column, then in each row the lower envelope of
+//! parabolas whose minima are the squares of these distances. The time is linear in the number of cells.
 //!
-//! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time"; Felzenszwalb
-//! & Huttenlocher 2012 use the same parabolas in floating point.
+//! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time";
+//! Felzenszwalb & Huttenlocher 2012 use the same parabolas in floating point.
 
 use crate::grid::{Cell, Grid, GridGeometry};
 
-/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` returns true; 0 for feature
-/// cells, infinite if there is no feature.
+/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` returns
+/// true; 0 for feature cells, infinite if there is no feature.
 ///
 /// The distance to the *edge* of the nearest feature cell is shorter, by up to half of a cell's diagonal.
 pub fn distances<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<f64> {

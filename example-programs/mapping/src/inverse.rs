@@ -1,6 +1,7 @@
 //! Inverse model of a wide sonar: a fuzzy set of the points that may have echoed, and its shadow on the plane of a map.
 //!
-//! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in [0, 2 pi) and r in
+//! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in [0,
+//! 2 pi) and r in
 //! [0, r_max].
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
@@ -77,7 +78,8 @@ impl SonarModel {
         Self { half_angle: 27.5 / 180.0 * PI, epsilon: 0.03, max: 6.0, min_membership: 0.05 }
     }
 
-    /// Membership of the angle `alpha` (rad) from the line of sight in the set A: the beam gain, a Gaussian; 0 beyond a right angle.
+    /// Membership of the angle `alpha` (rad) from the line of sight in the set A: the beam gain, a Gaussian; 0 beyond a
+    /// right angle.
     pub fn membership_of_alpha(&self, alpha: f64) -> f64 {
         let ratio = alpha / self.half_angle;
         if alpha > FRAC_PI_2 { 0.0 } else { math::exp(-2.0 * LN_2 * ratio * ratio) }
@@ -88,7 +90,8 @@ impl SonarModel {
         1.0
     }
 
-    /// Membership of the distance `r` in the set R of a reading `measured`, both m: a Gaussian of the relative error; 0 outside
+    /// Membership of the distance `r` in the set R of a reading `measured`, both m: a Gaussian of the relative error; 0
+    /// outside
     /// [0, r_max].
     pub fn membership_of_r(&self, r: f64, measured: f64) -> f64 {
         if !(0.0..=self.max).contains(&r) {
@@ -148,8 +151,8 @@ impl SonarModel {
     }
 }
 
-/// Point above or below (x, y) on the cap of a reading, as the cosine of its angle from the line of sight and its height in m. `None` if
-/// there is no such point or if the cosine is not above 0.
+/// Point above or below (x, y) on the cap of a reading, as the cosine of its angle from the line of sight and its
+/// height in m. `None` if there is no such point or if the cosine is not above 0.
 pub fn cap_point(sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let square = measured * measured - dx * dx - dy * dy;

@@ -1,7 +1,7 @@
 //! Maps from range sensors, for robot programs.
 //!
-//! The library is independent of robots and simulators: poses and readings go in, maps come out. Lengths in metres, angles in radians
-//! counter-clockwise, `f64`. The same input gives the same bits on every platform.
+//! The library is independent of robots and simulators: poses and readings go in, maps come out. Lengths in metres,
+//! angles in radians counter-clockwise, `f64`. The same input gives the same bits on every platform.
 
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]

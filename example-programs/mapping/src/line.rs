@@ -6,9 +6,10 @@
 //! - [`dda`]: the digital differential analyser ("digital integration" in the same section). It steps along the longer axis and rounds the
 //!   coordinate of the other one.
 //!
-//! The last two connect the middles of two cells, which are dx columns and dy rows apart. Point-by-point comparison makes |dx| + |dy|
-//! steps, each to a cell with a common side, and may deviate from the line by nearly a cell. DDA makes max(|dx|, |dy|) steps, some of them
-//! diagonal. It deviates by at most half a cell, so it visits only cells that the line touches.
+//! The last two connect the middles of two cells, which are dx columns and dy rows apart. Point-by-point comparison
+//! makes |dx| + |dy| steps, each to a cell with a common side, and may deviate from the line by nearly a cell. DDA
+//! makes max(|dx|, |dy|) steps, some of them diagonal. It deviates by at most half a cell, so it visits only cells that
+//! the line touches.
 
 use crate::grid::{Cell, GridGeometry};
 use crate::pose::Point;
@@ -53,9 +54,9 @@ fn touches(cell: Cell, from: Point, to: Point) -> bool {
 
 /// The cells from `from` to `to` by point-by-point comparison, both included.
 ///
-/// Let (x, y) be the numbers of steps made along the axes, and (X, Y) the total numbers. The next step goes along x if the deviation
-/// F = X y - Y x is above 0 (the last cell lies beyond the line in the direction of the y steps), along y if F is below 0, and along x if
-/// F is 0 (our choice).
+/// Let (x, y) be the numbers of steps made along the axes, and (X, Y) the total numbers. The next step goes along x if
+/// the deviation F = X y - Y x is above 0 (the last cell lies beyond the line in the direction of the y steps), along y
+/// if F is below 0, and along x if F is 0 (our choice).
 pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
     let (total_x, total_y, cell_after) = steps(from, to);
     let (mut x, mut y, mut deviation) = (0, 0, 0);
@@ -75,8 +76,9 @@ pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
 
 /// The cells from `from` to `to` by DDA, both included.
 ///
-/// The integer closed form of two accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to the accumulator of each
-/// axis, and an overflow is a step along this axis. The accumulators begin half full, so the shorter axis is rounded to the nearest cell.
+/// The integer closed form of two accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to the
+/// accumulator of each axis, and an overflow is a step along this axis. The accumulators begin half full, so the
+/// shorter axis is rounded to the nearest cell.
 pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
     let (total_x, total_y, cell_after) = steps(from, to);
     let ticks = total_x.max(total_y);
@@ -84,7 +86,8 @@ pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
     (0..=ticks).map(|tick| cell_after(steps_after(total_x, tick), steps_after(total_y, tick))).collect()
 }
 
-/// Total numbers of steps along x and y between two cells, and a function that returns the cell after given numbers of steps.
+/// Total numbers of steps along x and y between two cells, and a function that returns the cell after given numbers of
+/// steps.
 fn steps(from: Cell, to: Cell) -> (i64, i64, impl Fn(i64, i64) -> Cell) {
     let index_after = move |start: usize, end: usize, steps: i64| {
         if end >= start { start + steps as usize } else { start - steps as usize }
@@ -106,8 +109,8 @@ mod tests {
         GridGeometry::new(Point::origin(), 1.0, SIDE, SIDE)
     }
 
-    /// Returns true if a line touches the closed square of a cell, by clipping the line at the square's sides in integers. The line's
-    /// ends are in eighths of a cell.
+    /// Returns true if a line touches the closed square of a cell, by clipping the line at the square's sides in
+    /// integers. The line's ends are in eighths of a cell.
     fn meets(cell: Cell, from: (i64, i64), to: (i64, i64)) -> bool {
         // The remaining parameter interval is from `first` to `last`, both as (numerator, denominator), compared by
         // cross-multiplication (Liang-Barsky).
@@ -188,7 +191,8 @@ mod tests {
             for step in by_points.windows(2) {
                 prop_assert_eq!(step[0].column.abs_diff(step[1].column) + step[0].row.abs_diff(step[1].row), 1);
             }
-            // DDA visits only cells that the line touches; point-by-point comparison visits only these and their neighbours.
+            // DDA visits only cells that the line touches; point-by-point comparison visits only these and their
+            // neighbours.
             prop_assert!(by_dda.iter().all(|cell| touched.contains(cell)));
             let is_adjacent = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
             prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| is_adjacent(*cell, *other))));

@@ -1,7 +1,7 @@
 //! Map of the ground around a robot: a TSK height map that moves with the robot.
 //!
-//! Source: Gois and Hiller, section 3. The axes of the map are parallel to those of odometry, and the map moves by whole cells, so
-//! heights are never resampled (our choice).
+//! Source: Gois and Hiller, section 3. The axes of the map are parallel to those of odometry, and the map moves by
+//! whole cells, so heights are never resampled (our choice).
 
 use crate::grid::{Grid, GridGeometry};
 use crate::inverse::{SonarModel, SonarPose};
@@ -64,8 +64,8 @@ impl LocalMap {
     /// So each cell there with a higher estimate gets `height` as a reading, weighted by the squared beam gain (there
     /// and back).
     ///
-    /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
-    /// 1999); Gois and Hiller use readings only as evidence of occupied points.
+    /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi
+    /// and Venditelli 1999); Gois and Hiller use readings only as evidence of occupied points.
     ///
     /// # Panics
     /// If a number is not finite.

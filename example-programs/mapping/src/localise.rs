@@ -1,14 +1,15 @@
 //! Corrects a robot's odometry pose by comparing readings with a map.
 //!
-//! A [`Belief`] is a normal distribution of the robot's pose. [`Belief::moved`] adds a motion measured by odometry, with its errors.
-//! [`Belief::corrected`] multiplies the distribution by the likelihood of a scan at a grid of poses around its mean.
-//! The result is the mean and the covariance of the product. Along a direction on which the scan has no information
-//! (such as the axis of a corridor), the mean and the variance of odometry remain, without any threshold.
-//! [`measurement`](crate::measurement) has two [`PoseLikelihood`]s: one of points on surfaces, one of sonar ranges.
+//! A [`Belief`] is a normal distribution of the robot's pose. [`Belief::moved`] adds a motion measured by odometry,
+//! with its errors. [`Belief::corrected`] multiplies the distribution by the likelihood of a scan at a grid of poses
+//! around its mean. The result is the mean and the covariance of the product. Along a direction on which the scan has
+//! no information (such as the axis of a corridor), the mean and the variance of odometry remain, without any
+//! threshold. [`measurement`](crate::measurement) has two [`PoseLikelihood`]s: one of points on surfaces, one of sonar
+//! ranges.
 //!
-//! Source: Olson 2009, "Real-time correlative scan matching", sections III (product of likelihood and odometry over a grid of
-//! poses) and III.E (covariance from the grid); motion: Thrun, Burgard & Fox 2005, section 5.4. The window that follows the
-//! distribution, instead of a fixed pyramid of grids, is our choice.
+//! Source: Olson 2009, "Real-time correlative scan matching", sections III (product of likelihood and odometry over a
+//! grid of poses) and III.E (covariance from the grid); motion: Thrun, Burgard & Fox 2005, section 5.4. The window that
+//! follows the distribution, instead of a fixed pyramid of grids, is our choice.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,7 +1,8 @@
 //! Bayesian occupancy grid: each cell stores the log-odds l = ln(p / (1 - p)) of its probability p of being occupied.
 //!
 //! The initial odds are even. An independent reading z with the inverse sensor model p(occupied | z) adds
-//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So as much evidence as made a cell wrong, at most [`LIMIT`], corrects it.
+//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So as much evidence as made a cell wrong, at most [`LIMIT`],
+//! corrects it.
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 
@@ -37,7 +38,8 @@ pub struct SonarModel {
 }
 
 impl SonarModel {
-    /// Probabilities of 0.7 in the arc and 0.3 in front of it. A reading without an echo is no evidence, since a mirror may be the cause.
+    /// Probabilities of 0.7 in the arc and 0.3 in front of it. A reading without an echo is no evidence, since a mirror
+    /// may be the cause.
     pub fn new(beam: Beam) -> Self {
         Self { beam, arc: log_odds(0.7), cone: log_odds(0.3), silence: 0.0 }
     }

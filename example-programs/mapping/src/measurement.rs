@@ -5,7 +5,8 @@
 //! nearest surface in the beam. Both treat an error of several standard deviations as an outlier, and ignore readings
 //! without an echo.
 //!
-//! Source: Thrun, Burgard & Fox 2005, section 6.4 (likelihood field) and 6.3 (beam model, with the cases "hit" and "random" only).
+//! Source: Thrun, Burgard & Fox 2005, section 6.4 (likelihood field) and 6.3 (beam model, with the cases "hit" and
+//! "random" only).
 
 use std::f64::consts::TAU;
 
@@ -32,7 +33,8 @@ impl Error {
     }
 }
 
-/// Log-likelihood of a measured point on a surface for each position, from the distance to the middle of the nearest occupied cell.
+/// Log-likelihood of a measured point on a surface for each position, from the distance to the middle of the nearest
+/// occupied cell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LikelihoodField {
     logs: Grid<f64>,

@@ -19,14 +19,16 @@ pub struct OccupancyGrid {
     /// Height of the lower faces of the lowest voxels, m.
     bottom: f64,
     layers: usize,
-    /// Certainty of each voxel to be empty: cell by cell in the order of the partition's slots, in each cell from the bottom up.
+    /// Certainty of each voxel to be empty: cell by cell in the order of the partition's slots, in each cell from the
+    /// bottom up.
     empty: Vec<f32>,
     /// Certainty of each voxel to be occupied, in the same order.
     occupied: Vec<f32>,
 }
 
 impl OccupancyGrid {
-    /// A grid without readings: above each cell `layers` voxels of the height `voxel_height` m, from the height `bottom` m upwards.
+    /// A grid without readings: above each cell `layers` voxels of the height `voxel_height` m, from the height
+    /// `bottom` m upwards.
     pub fn new(partition: Partition, bottom: f64, voxel_height: f64, layers: usize) -> Self {
         let count = partition.columns * partition.rows * layers;
         Self { partition, voxel_height, bottom, layers, empty: vec![0.0; count], occupied: vec![0.0; count] }
@@ -96,7 +98,8 @@ impl OccupancyGrid {
         self.occupy(&mut hits);
     }
 
-    /// Layers whose centres may lie in both intervals of heights relative to `origin`, m, with one more at each end because of rounding.
+    /// Layers whose centres may lie in both intervals of heights relative to `origin`, m, with one more at each end
+    /// because of rounding.
     fn layers_between(&self, origin: f64, first: (f64, f64), second: (f64, f64)) -> Range<usize> {
         let layer =
             |dz: f64| ((origin + dz - self.bottom) / self.voxel_height - 0.5).clamp(-2.0, self.layers as f64 + 2.0);
@@ -109,16 +112,16 @@ impl OccupancyGrid {
         from.min(to)..to
     }
 
-    /// Height of the upper face of the highest occupied voxel at (x, y), m: the paper's projection onto the plane. `None`
-    /// where no voxel is occupied, or outside.
+    /// Height of the upper face of the highest occupied voxel at (x, y), m: the paper's projection onto the plane.
+    /// `None` where no voxel is occupied, or outside.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let layer = (0..self.layers).rev().find(|layer| self.is_occupied(slot, *layer))?;
         Some(self.voxel_centre(layer) + self.voxel_height / 2.0)
     }
 
-    /// Height of the centre of the most certainly occupied voxel at (x, y), m; not in the paper. `None` where no voxel is occupied,
-    /// or outside.
+    /// Height of the centre of the most certainly occupied voxel at (x, y), m; not in the paper. `None` where no voxel
+    /// is occupied, or outside.
     pub fn likeliest_height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let certainty = |layer: &usize| {
@@ -131,8 +134,8 @@ impl OccupancyGrid {
             .map(|layer| self.voxel_centre(layer))
     }
 
-    /// Mean height of the occupied voxels at (x, y), m, weighted by the certainty of being occupied minus that of being empty; not in
-    /// the paper. `None` where no voxel is occupied, or outside.
+    /// Mean height of the occupied voxels at (x, y), m, weighted by the certainty of being occupied minus that of being
+    /// empty; not in the paper. `None` where no voxel is occupied, or outside.
     pub fn mean_height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let weighted = (0..self.layers).filter(|layer| self.is_occupied(slot, *layer)).map(|layer| {
@@ -151,8 +154,8 @@ impl OccupancyGrid {
             .then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
     }
 
-    /// Raises the certainties of being occupied for one echo; `hits` are voxels with their weights. The increments of a reading are at most
-    /// 1 in total.
+    /// Raises the certainties of being occupied for one echo; `hits` are voxels with their weights. The increments of a
+    /// reading are at most 1 in total.
     fn occupy(&mut self, hits: &mut [(usize, f32)]) {
         for (index, weight) in &mut *hits {
             *weight *= 1.0 - self.empty[*index];
@@ -177,8 +180,8 @@ impl OccupancyGrid {
     }
 }
 
-/// Values that are constant for one reading, in single precision for speed: with a fine grid, the beams contain hundreds of millions of
-/// voxels.
+/// Values that are constant for one reading, in single precision for speed: with a fine grid, the beams contain
+/// hundreds of millions of voxels.
 struct BeamParameters {
     /// Component of the line of sight along z.
     along_z: f32,
@@ -199,15 +202,16 @@ struct Column {
     horizontal_sq: f32,
     /// Horizontal terms of the dot product of (column minus sonar) and the line of sight, m.
     dot_horizontal: f32,
-    /// (|dx| + |dy|) times the side of a cell, m^2: horizontal part of the voxel's extent along the ray, times the distance.
+    /// (|dx| + |dy|) times the side of a cell, m^2: horizontal part of the voxel's extent along the ray, times the
+    /// distance.
     extent_xy: f32,
     /// Height of the lowest voxel's centre relative to the sonar, m.
     lowest_dz: f32,
 }
 
 impl BeamParameters {
-    /// Distance of the voxel in a layer, its beam gain (0 outside the beam), and half the width of the band of distances at which a reading
-    /// belongs to the voxel.
+    /// Distance of the voxel in a layer, its beam gain (0 outside the beam), and half the width of the band of
+    /// distances at which a reading belongs to the voxel.
     #[inline]
     fn geometry(&self, column: &Column, layer: u32) -> (f32, f32, f32) {
         let dz = column.lowest_dz + layer as f32 * self.voxel_height;
@@ -253,10 +257,11 @@ fn gaussian(steepness: f32, cosine: f32) -> f32 {
     eighth * eighth
 }
 
-/// Interval of heights, relative to the apex of a cone, in which a vertical line is inside the cone; `None` if the line misses the cone.
+/// Interval of heights, relative to the apex of a cone, in which a vertical line is inside the cone; `None` if the line
+/// misses the cone.
 ///
-/// `dot_horizontal` is the horizontal part of the dot product of (line minus apex) and the cone's axis, `horizontal_sq` the squared
-/// horizontal distance of the line from the apex.
+/// `dot_horizontal` is the horizontal part of the dot product of (line minus apex) and the cone's axis, `horizontal_sq`
+/// the squared horizontal distance of the line from the apex.
 fn cone_interval(dot_horizontal: f64, horizontal_sq: f64, axis_z: f64, aperture: f64) -> Option<(f64, f64)> {
     let cosine = math::cos(aperture);
     // Points at the height dz inside the cone: dot_horizontal + dz axis_z >= 0 and q dz^2 + 2 b dz + d >= 0.
@@ -281,7 +286,8 @@ fn cone_interval(dot_horizontal: f64, horizontal_sq: f64, axis_z: f64, aperture:
     (dot_horizontal + 0.5 * (low + high) * axis_z >= 0.0).then_some((low, high))
 }
 
-/// Interval of heights, relative to the centre of a sphere, in which a vertical line is inside the sphere; (0, 0) if it misses the sphere.
+/// Interval of heights, relative to the centre of a sphere, in which a vertical line is inside the sphere; (0, 0) if it
+/// misses the sphere.
 fn sphere_interval(radius: f64, horizontal_sq: f64) -> (f64, f64) {
     let half = (radius * radius - horizontal_sq).max(0.0).sqrt();
     (-half, half)

@@ -1,13 +1,13 @@
-//! Recursive least squares in UD form. The covariance is U D U^T with U unit upper triangular and D diagonal, so it stays symmetric
-//! and positive, even after many updates and with poor regressors.
+//! Recursive least squares in UD form. The covariance is U D U^T with U unit upper triangular and D diagonal, so it
+//! stays symmetric and positive, even after many updates and with poor regressors.
 //!
 //! A prior regularises the estimate, and the covariance never exceeds that of the prior. Forgetting acts only along
 //! measured directions.
 
 /// Estimates the parameters p of y = phi . p from one equation at a time.
 ///
-/// Source: Bierman 1977, *Factorization methods for discrete sequential estimation* (update by a measurement), and Agee and
-/// Turner 1972 (addition of a dyad). The forgetting rule is our choice.
+/// Source: Bierman 1977, *Factorization methods for discrete sequential estimation* (update by a measurement), and Agee
+/// and Turner 1972 (addition of a dyad). The forgetting rule is our choice.
 #[derive(Clone, Debug)]
 pub struct Rls {
     parameters: Vec<f64>,
@@ -91,10 +91,12 @@ impl Rls {
         (from..self.parameters.len()).map(|j| self.u(first, j) * self.u(second, j) * self.diagonal[j]).sum()
     }
 
-    /// Updates the estimate with an equation: `value` is the sum of factor * parameter over `regressor`, except for an error with the
-    /// variance `variance`. `regressor` has pairs of a parameter's index and its factor; parameters without a pair have the factor 0.
+    /// Updates the estimate with an equation: `value` is the sum of factor * parameter over `regressor`, except for an
+    /// error with the variance `variance`. `regressor` has pairs of a parameter's index and its factor; parameters
+    /// without a pair have the factor 0.
     ///
-    /// The covariance never grows. A regressor of zeros changes nothing. An update takes of the order of n^2 operations for n parameters.
+    /// The covariance never grows. A regressor of zeros changes nothing. An update takes of the order of n^2 operations
+    /// for n parameters.
     ///
     /// # Errors
     /// [`RlsError`]; the estimate is then unchanged.
@@ -127,7 +129,8 @@ impl Rls {
         Ok(())
     }
 
-    /// Resets one parameter to `mean` and `variance`, independent of the others; the estimate of the others does not change.
+    /// Resets one parameter to `mean` and `variance`, independent of the others; the estimate of the others does not
+    /// change.
     ///
     /// # Panics
     /// If there is no such parameter or `variance` is not above 0 and finite.
@@ -180,7 +183,8 @@ impl Rls {
         }
     }
 
-    /// Bierman's update of U and D by a measurement with `variance`. `gain` becomes P phi with the covariance P before the update.
+    /// Bierman's update of U and D by a measurement with `variance`. `gain` becomes P phi with the covariance P before
+    /// the update.
     fn update_factors(&mut self, variance: f64) {
         let mut alpha = variance;
         self.gain.fill(0.0);

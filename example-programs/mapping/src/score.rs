@@ -52,10 +52,11 @@ pub struct Score {
     pub wrong: usize,
     /// Free cells and surfaces that are unknown in the map.
     pub unknown: usize,
-    /// Fraction of the cells classified as occupied that are a surface or have a surface as a neighbour; NaN if no cell is classified as
-    /// occupied.
+    /// Fraction of the cells classified as occupied that are a surface or have a surface as a neighbour; NaN if no cell
+    /// is classified as occupied.
     pub precision: f64,
-    /// Fraction of the surface cells that are classified as occupied or have a neighbour that is; NaN without surface cells.
+    /// Fraction of the surface cells that are classified as occupied or have a neighbour that is; NaN without surface
+    /// cells.
     pub recall: f64,
 }
 
@@ -131,7 +132,8 @@ mod tests {
             '#' => Truth::Surface,
             _ => Truth::Hidden,
         });
-        // Two false obstacles, far from the surface; one free cell correct; one surface cell classified as free, one unknown.
+        // Two false obstacles, far from the surface; one free cell correct; one surface cell classified as free, one
+        // unknown.
         let score = Score::of(&map, &truth);
         assert_eq!((score.right, score.wrong, score.unknown), (1, 3, 1));
         assert_eq!((score.precision, score.recall, score.accuracy()), (0.0, 0.0, 0.25));

@@ -5,8 +5,8 @@
 //! A [`Fan`] converts readings to a [`Model`] of lines. A [`SectorMap`] draws the models of one stop into a local grid
 //! (Eq. 2 and 3) and merges this grid into the global one (Eq. 4).
 //!
-//! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". The docs of the items, and `docs/mapping.md`, list the
-//! errors and omissions of the text with our solutions.
+//! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". The docs of the items, and
+//! `docs/mapping.md`, list the errors and omissions of the text with our solutions.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -37,9 +37,9 @@ pub struct Fan {
 /// Relation between the readings of two neighbours ("Sensor Number and Definitions").
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Relation {
-    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall can cause both readings. At the upper limit, the
-    /// wall's foot is at the far edge of A's sector, and B measures the wall at the near edge of its own sector. The paper prints "d_A cos
-    /// a", which no d_B satisfies.
+    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall can cause both readings. At the
+    /// upper limit, the wall's foot is at the far edge of A's sector, and B measures the wall at the near edge of its
+    /// own sector. The paper prints "d_A cos a", which no d_B satisfies.
     Continuous,
     /// d_A / cos a < d_B <= d_A + 2 r: too far apart for one wall, too near for the robot to pass.
     Interval,
@@ -52,10 +52,11 @@ pub enum Relation {
 /// Cases of a sector ("Modeling Process").
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Case {
-    /// Continuous on both sides, with one neighbour's reading smaller and the other's larger (Figure 2a): a wall whose foot is in
-    /// the sector of the smaller reading.
+    /// Continuous on both sides, with one neighbour's reading smaller and the other's larger (Figure 2a): a wall whose
+    /// foot is in the sector of the smaller reading.
     WallBeside,
-    /// Continuous on both sides, with the smallest of the three readings (Figure 2b): a wall whose foot is in the sector.
+    /// Continuous on both sides, with the smallest of the three readings (Figure 2b): a wall whose foot is in the
+    /// sector.
     WallAhead,
     /// Continuous on both sides, with the largest of the three readings (Figure 2c): a corner.
     Corner,
@@ -83,22 +84,24 @@ pub struct Line {
 pub struct Model {
     /// Case of the sector.
     pub case: Case,
-    /// The lines in counter-clockwise order, in the sector's frame: origin in the robot's middle, x axis through the sonar.
+    /// The lines in counter-clockwise order, in the sector's frame: origin in the robot's middle, x axis through the
+    /// sonar.
     pub lines: Vec<Line>,
 }
 
-/// Fraction of a sector, centred at its middle, that the line of a fault on both sides covers. The paper has only the word "short"; the
-/// value is our choice.
+/// Fraction of a sector, centred at its middle, that the line of a fault on both sides covers. The paper has only the
+/// word "short"; the value is our choice.
 const SHORT_FRACTION: f64 = 0.5;
 
-/// Maximum difference of readings that are treated as equal, in metres: two steps of a sonar with a resolution of 1 cm (our choice).
+/// Maximum difference of readings that are treated as equal, in metres: two steps of a sonar with a resolution of 1 cm
+/// (our choice).
 pub const EQUAL_READINGS: f64 = 0.02;
 
 impl Fan {
     /// Relation between two neighbouring readings; `None` is a reading without an echo.
     ///
-    /// The distances are in metres from the rim, as the sonars measure them; the comparison uses distances from the robot's middle, where
-    /// the sectors meet.
+    /// The distances are in metres from the rim, as the sonars measure them; the comparison uses distances from the
+    /// robot's middle, where the sectors meet.
     pub fn relation(&self, a: Option<f64>, b: Option<f64>) -> Relation {
         let (Some(a), Some(b)) = (a, b) else { return Relation::Open };
         let (near, far) = (a.min(b) + self.radius, a.max(b) + self.radius);
@@ -112,7 +115,8 @@ impl Fan {
         }
     }
 
-    /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres from the rim.
+    /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres
+    /// from the rim.
     ///
     /// Our choices where the text is silent:
     ///
@@ -160,8 +164,8 @@ impl Fan {
             let (from, middle, to) = (from.into(), middle.into(), to.into());
             (Case::WallAhead, vec![Line { from, to: middle }, Line { from: middle, to }])
         } else {
-            // The smaller neighbouring reading may exceed this sector's by up to `EQUAL_READINGS`. It is then treated as equal, and
-            // the tangent touches the arc at the common edge.
+            // The smaller neighbouring reading may exceed this sector's by up to `EQUAL_READINGS`. It is then treated
+            // as equal, and the tangent touches the arc at the common edge.
             let tangent = Tangent::at_right(self, right.min(left).min(own), own);
             let end = tangent.normal + math::acos(tangent.distance / right.max(left).max(own));
             let line = tangent.segment(-half_sector, end.clamp(-half_sector, half_sector));
@@ -169,13 +173,15 @@ impl Fan {
         }
     }
 
-    /// Case and lines of a sector that is continuous only with its right neighbour. All distances are from the middle of the robot.
+    /// Case and lines of a sector that is continuous only with its right neighbour. All distances are from the middle
+    /// of the robot.
     fn fault(&self, right: f64, own: f64) -> (Case, Vec<Line>) {
         let half_sector = 0.5 * self.sector;
         if right <= own {
             (Case::FaultBeyond, vec![Tangent::at_right(self, right, own).segment(-half_sector, 0.0)])
         } else {
-            // The line goes through the end of the neighbour's arc at the common edge and touches the arc of this sector.
+            // The line goes through the end of the neighbour's arc at the common edge and touches the arc of this
+            // sector.
             let normal = -half_sector + math::acos(own / right);
             let tangent = Tangent { normal, distance: own };
             (Case::FaultBefore, vec![tangent.segment(-half_sector, normal)])
@@ -188,7 +194,8 @@ impl Fan {
         Tangent { normal: 0.0, distance: own }.segment(-end, end)
     }
 
-    /// Probabilities of the cells of a line and of the free cells in front of it, for the reading of their sector (Eq. 2).
+    /// Probabilities of the cells of a line and of the free cells in front of it, for the reading of their sector (Eq.
+    /// 2).
     pub fn probabilities(&self, distance: f64) -> (f64, f64) {
         let fraction = ((distance - self.nearest) / (self.farthest - self.nearest)).clamp(0.0, 1.0);
         ((1.0 - fraction * fraction).max(0.6), (fraction * fraction).min(0.4))
@@ -258,8 +265,8 @@ impl Line {
 }
 
 impl Model {
-    /// Free distance from the robot's middle at an angle (radians) from the sector's middle: up to the line or to the arc at
-    /// `own`, whichever is nearer.
+    /// Free distance from the robot's middle at an angle (radians) from the sector's middle: up to the line or to the
+    /// arc at `own`, whichever is nearer.
     fn free_distance(&self, own: f64, angle: f64) -> f64 {
         self.lines.iter().find_map(|line| line.distance_along(angle)).map_or(own, |line| line.min(own))
     }
@@ -427,7 +434,8 @@ impl Sector {
         Self { axis: reading.axis, distance: reading.distance, model }
     }
 
-    /// Marks the cells in front of the lines as free, from the rim on: a surface nearer than R_min would have hidden the echo.
+    /// Marks the cells in front of the lines as free, from the rim on: a surface nearer than R_min would have hidden
+    /// the echo.
     fn mark_free(&self, fan: &Fan, free: &mut Grid<f64>) {
         let frame = *free.frame();
         let (max_distance, probability) = match self.distance {
@@ -497,7 +505,8 @@ mod tests {
     const FAN: Fan = Fan { sector: PI / 6.0, radius: 0.12, nearest: 0.03, farthest: 4.0 };
     const HALF: f64 = PI / 12.0;
 
-    /// Reading of a sector in front of an infinite straight wall: the point nearest to the robot's middle within the sector.
+    /// Reading of a sector in front of an infinite straight wall: the point nearest to the robot's middle within the
+    /// sector.
     fn wall_reading(sector: f64, foot: f64, distance: f64) -> Option<f64> {
         let off = (wrapped(foot - sector).abs() - HALF).max(0.0);
         (off < 0.5 * PI - 1e-6)
@@ -577,8 +586,8 @@ mod tests {
 
     #[test]
     fn corner_of_two_walls_is_exact() {
-        // Two walls with their feet in the neighbours' sectors, mirror images about the sector's middle, so they meet the two
-        // edges of the sector at the same distance.
+        // Two walls with their feet in the neighbours' sectors, mirror images about the sector's middle, so they meet
+        // the two edges of the sector at the same distance.
         for off in [1.9 * HALF, 2.4 * HALF, 2.9 * HALF] {
             let own = 1.0 / math::cos(off - HALF) - FAN.radius;
             let model = FAN.model(Some(1.0 - FAN.radius), Some(own), Some(1.0 - FAN.radius));
@@ -612,7 +621,8 @@ mod tests {
                 "{right:?} {own:?} {left:?}"
             );
         }
-        // Figure 3b: the line goes from the neighbour's arc at the common edge to the point where it touches this sector's arc.
+        // Figure 3b: the line goes from the neighbour's arc at the common edge to the point where it touches this
+        // sector's arc.
         let line = FAN.model(Some(0.95), Some(0.9), None).lines[0];
         let (edge, touched) = (line.from.coords, line.to.coords);
         assert!((edge.norm() - 1.07).abs() < 1e-12 && (math::atan2(edge.y, edge.x) + HALF).abs() < 1e-12);
@@ -648,7 +658,8 @@ mod tests {
         assert_eq!(updated(wrong, 0.01), 0.01);
     }
 
-    /// Readings of a stop in the middle of a square room of 2 m; each is the distance of the nearest point of a wall in the sector.
+    /// Readings of a stop in the middle of a square room of 2 m; each is the distance of the nearest point of a wall in
+    /// the sector.
     fn room_readings(turns: &[f64]) -> Vec<Reading> {
         let headings = turns.iter().flat_map(|turn| (0..12).map(move |sector| turn + f64::from(sector) * FAN.sector));
         headings

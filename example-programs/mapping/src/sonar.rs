@@ -36,7 +36,8 @@ pub struct InBeam {
 }
 
 impl Beam {
-    /// The cells of `frame` whose middle lies in the beam of a sonar at `sonar`, at most `max_distance` metres away, row by row.
+    /// The cells of `frame` whose middle lies in the beam of a sonar at `sonar`, at most `max_distance` metres away,
+    /// row by row.
     pub fn cells(&self, frame: &GridGeometry, sonar: Pose, max_distance: f64) -> impl Iterator<Item = InBeam> + use<> {
         let (frame, half_angle) = (*frame, self.half_angle);
         frame.disc(sonar.position, max_distance).filter_map(move |cell| {

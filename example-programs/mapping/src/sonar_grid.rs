@@ -3,8 +3,8 @@
 //! Two counters of each cell count how often the cell was in an arc and how often it was in the cone in front of an
 //! arc. Its probability is the fraction of the arcs. The grid is the reference for [`sector`](crate::sector).
 //!
-//! Source: arcs and cones as in Moravec & Elfes 1985; counters as in the histogram grids of Borenstein & Koren 1991 and the counting
-//! model of Hähnel et al. 2003. All cells of a beam have the same weight (our choice).
+//! Source: arcs and cones as in Moravec & Elfes 1985; counters as in the histogram grids of Borenstein & Koren 1991 and
+//! the counting model of Hähnel et al. 2003. All cells of a beam have the same weight (our choice).
 
 use crate::grid::{Grid, GridGeometry};
 use crate::sonar::{Beam, Echo};

@@ -1,8 +1,8 @@
-//! A height map as a Takagi-Sugeno-Kang system: each cell of a partition of the plane has one rule, whose output is a constant or a
-//! plane, fitted to sonar readings by recursive least squares.
+//! A height map as a Takagi-Sugeno-Kang system: each cell of a partition of the plane has one rule, whose output is a
+//! constant or a plane, fitted to sonar readings by recursive least squares.
 //!
-//! Source: Gois and Hiller, section 3. Their Eq. 3 omits the division by the sum of the activations, which the weighted average in
-//! the text requires; this code includes it.
+//! Source: Gois and Hiller, section 3. Their Eq. 3 omits the division by the sum of the activations, which the weighted
+//! average in the text requires; this code includes it.
 
 use std::ops::Range;
 
@@ -113,9 +113,9 @@ pub enum Fusion {
     /// over its cell. This is our choice and more accurate: an average over many cells leaves the differences between
     /// them undetermined.
     ///
-    /// The echo comes from the nearest surface in the beam, so the ground touches the cap somewhere and lies below it everywhere
-    /// else. The weight of an equation that would raise the height is therefore multiplied by `above` (asymmetric least squares, Newey
-    /// and Powell 1987); with 1, both directions have the same weight.
+    /// The echo comes from the nearest surface in the beam, so the ground touches the cap somewhere and lies below it
+    /// everywhere else. The weight of an equation that would raise the height is therefore multiplied by `above`
+    /// (asymmetric least squares, Newey and Powell 1987); with 1, both directions have the same weight.
     Cells {
         /// Factor in (0, 1] on the weight of equations that would raise the height.
         above: f64,
@@ -191,7 +191,8 @@ pub fn activations(
         let centre = partition.centre(index);
         let samples = (0..SAMPLES * SAMPLES)
             .map(|sample| (centre.0 + offset(sample % SAMPLES), centre.1 + offset(sample / SAMPLES)));
-        // For a level sonar the membership is greatest in a band at the rim of the cap that may lie between two sampling points.
+        // For a level sonar the membership is greatest in a band at the rim of the cap that may lie between two
+        // sampling points.
         let rim = rim(sonar, measured, centre, partition.cell).filter(|(x, y)| partition.cell_index(*x, *y) == index);
         let (mut points, mut count) = ([(0.0, 0.0, 0.0); SAMPLES * SAMPLES + 1], 0);
         let mut max_cosine = 0.0_f64;
@@ -304,8 +305,9 @@ impl Tsk {
         activations.len()
     }
 
-    /// Adds one equation: the weighted average of the rules' outputs equals that of the heights in `activations`, except for the error of a
-    /// reading. If each rule has a separate estimate, adds an equation for each of them instead.
+    /// Adds one equation: the weighted average of the rules' outputs equals that of the heights in `activations`,
+    /// except for the error of a reading. If each rule has a separate estimate, adds an equation for each of them
+    /// instead.
     ///
     /// # Panics
     /// If a number is not finite, or a slot is not one of the partition.
@@ -333,7 +335,8 @@ impl Tsk {
         }
     }
 
-    /// Adds one equation with a weight: the output of a rule equals the height in `activation`, except for the error of a reading.
+    /// Adds one equation with a weight: the output of a rule equals the height in `activation`, except for the error of
+    /// a reading.
     ///
     /// # Panics
     /// If a number is not finite, or the slot is not one of the partition.
@@ -377,8 +380,8 @@ impl Tsk {
         Some(variance.sqrt())
     }
 
-    /// Moves the partition so that `low` is its cell with the minimum x and y. The estimates of cells that leave it are discarded; new
-    /// cells have the prior.
+    /// Moves the partition so that `low` is its cell with the minimum x and y. The estimates of cells that leave it are
+    /// discarded; new cells have the prior.
     pub fn move_to(&mut self, low: CellIndex) {
         let before = self.partition;
         self.partition.low = low;

@@ -1,5 +1,5 @@
-//! A sensing task beside a control task: the first measures periodically; the second waits on a semaphore for each measurement and
-//! steers by it. The robot drives about for a minute and avoids all obstacles.
+//! A sensing task beside a control task: the first measures periodically; the second waits on a semaphore for each
+//! measurement and steers by it. The robot drives about for a minute and avoids all obstacles.
 
 use robios_api::prelude::*;
 use robios_api::{Priority, Semaphore, Shared, TaskMode};

@@ -1,4 +1,5 @@
-//! Reliable delivery of findings: a queue for each other robot, whose first report is repeated until it is acknowledged.
+//! Reliable delivery of findings: a queue for each other robot, whose first report is repeated until it is
+//! acknowledged.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;

@@ -4,8 +4,8 @@
 //! Then it turns around, does the same behind, and adds all readings to its map. It then drives to the nearest place
 //! from which it can see unknown cells, and ends when there is none.
 //!
-//! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is that of the start:
-//! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
+//! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is
+//! that of the start: x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
 //! It prints `look` with each [`Scan`], `stop` for each place, and at the end the map as `row`s, the upper one first:
 //! `#` occupied, `.` free, `?` unknown. The display shows the map; the window also shows its probabilities and the path

@@ -1,10 +1,10 @@
 //! Walks on two legs, computes the profile of the ground from one range sensor, and stops before an obstacle.
 //!
-//! Arguments: `walker PLACE SENSOR SPEED [WAY]`. PLACE is the sensor's link, `tibia`, `thigh` or `body`. SENSOR is its type,
-//! `ideal`, `laser`, `ultrasonic` or `reflectance`. SPEED is in mm/s. With WAY,
-//! in mm, the robot walks that far and does not stop before obstacles. Every 25 ms the program reads the sensor and adds
-//! the hit point to the profile. It computes the point from odometry, the height of the body, the pose of the leg's
-//! link (from the joints) and the sensor's pose on the link. A reading of the sensor's maximum distance adds no point.
+//! Arguments: `walker PLACE SENSOR SPEED [WAY]`. PLACE is the sensor's link, `tibia`, `thigh` or `body`. SENSOR is its
+//! type, `ideal`, `laser`, `ultrasonic` or `reflectance`. SPEED is in mm/s. With WAY, in mm, the robot walks that far
+//! and does not stop before obstacles. Every 25 ms the program reads the sensor and adds the hit point to the profile.
+//! It computes the point from odometry, the height of the body, the pose of the leg's link (from the joints) and the
+//! sensor's pose on the link. A reading of the sensor's maximum distance adds no point.
 //!
 //! The program prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for the coordinates if there
 //! is no point. x counts from the start, z from the floor. The window shows the profile as a line. Source: France et
@@ -242,7 +242,8 @@ mod tests {
         };
         // The sensor sits above and behind, and looks ahead.
         is_at(&bearer, [2.95, 0.0, 0.6]);
-        // Turned to the left the leg looks to the left; with its left side up, what is above the link is to the right of it.
+        // Turned to the left the leg looks to the left; with its left side up, what is above the link is to the right
+        // of it.
         is_at(&Bearer { link: LinkPose { yaw: 90.degrees(), ..link }, ..bearer }, [1.0, 1.95, 0.6]);
         is_at(&Bearer { robot: Position { phi: 90.degrees(), ..at(1.0) }, ..bearer }, [1.0, 1.95, 0.6]);
         let rolled = LinkPose { roll: 90.degrees(), ..LinkPose::default() };

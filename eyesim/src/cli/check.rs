@@ -30,9 +30,9 @@ const EXIT_MISTAKES: u8 = 2;
 /// Arguments of `eyesim check`.
 #[derive(Args)]
 pub struct CheckArgs {
-    /// Files to check: .sim and .scene.toml (with all that they name), .suite.toml (with its scene), .robi (with its .toml), .wld, .maz, .esObj, .noise.toml;
-    /// maps and mazes of other programs: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt.
-    /// For a folder: all these files except those of other programs
+    /// Files to check: .sim and .scene.toml (with all that they name), .suite.toml (with its scene), .robi (with its
+    /// .toml), .wld, .maz, .esObj, .noise.toml; maps and mazes of other programs: .yaml, .pgm, .pbm, .map, .scen,
+    /// .world, .num, .txt. For a folder: all these files except those of other programs
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How the diagnostics are printed
@@ -41,10 +41,12 @@ pub struct CheckArgs {
     /// When colours are used
     #[arg(long, value_enum, default_value_t, value_name = "WHEN")]
     pub color: Colour,
-    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that they call]
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that
+    /// they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
-    /// Version of EyeSim whose conventions the files follow: vr2018, vr2023 or classic [default: from the scene, or vr2023]
+    /// Version of EyeSim whose conventions the files follow: vr2018, vr2023 or classic [default: from the scene, or
+    /// vr2023]
     #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
     pub dialect: Option<Dialect>,
     /// Cell size of mazes in millimetres; overrides the files

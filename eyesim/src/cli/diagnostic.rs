@@ -96,7 +96,8 @@ impl Screen {
         Self { is_terminal, width, has_colour }
     }
 
-    /// Style of a severity: errors orange, warnings blue, distinct with any kind of colour vision, on black and on white.
+    /// Style of a severity: errors orange, warnings blue, distinct with any kind of colour vision, on black and on
+    /// white.
     pub fn severity(&self, severity: Severity) -> Style {
         match (self.has_colour, severity) {
             (false, _) => Style::new(),
@@ -176,7 +177,8 @@ fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> St
     out.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-/// Diagnostics to show, and the number omitted of each file; if a file has too many, errors take precedence over warnings.
+/// Diagnostics to show, and the number omitted of each file; if a file has too many, errors take precedence over
+/// warnings.
 fn choose(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, BTreeMap<&str, usize>) {
     let mut by_severity: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
     by_severity.sort_by_key(|(_, diagnostic)| std::cmp::Reverse(diagnostic.severity));

@@ -27,7 +27,8 @@ pub struct DoctorArgs {}
 
 /// Maximum time for a tool to print its version.
 const VERSION_TIMEOUT: Duration = Duration::from_secs(20);
-/// Number of memory mappings below which only few robots can have private copies of their programs; the default of Linux.
+/// Number of memory mappings below which only few robots can have private copies of their programs; the default of
+/// Linux.
 const MAPPINGS: u64 = 65_530;
 /// Number of file watches below which editors and `eyesim view` may run out of them.
 const WATCHES: u64 = 8_192;

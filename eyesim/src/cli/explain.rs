@@ -123,8 +123,8 @@ fn emphasis(word: &str, screen: Screen) -> (String, Style) {
     (text, style)
 }
 
-/// Replaces Markdown links: `[text](../wld.md#push)` by `text (docs/formats/wld.md#push)`, a link to another code by its
-/// name.
+/// Replaces Markdown links: `[text](../wld.md#push)` by `text (docs/formats/wld.md#push)`, a link to another code by
+/// its name.
 fn plain_links(text: &str) -> String {
     let mut parts = text.split('[');
     let mut out = parts.next().unwrap_or_default().to_owned();

@@ -1,8 +1,8 @@
 //! `eyesim lsp`: the checks of `eyesim check` as a language server, for editors.
 //!
 //! The server reads an editor's requests from standard input and answers on standard output, by the [Language Server
-//! Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It keeps the texts that are open in the editor
-//! and reads all other files from the disk. It runs no programs.
+//! Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It keeps the texts that are open in the
+//! editor and reads all other files from the disk. It runs no programs.
 
 mod documents;
 mod pages;

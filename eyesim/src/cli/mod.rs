@@ -78,9 +78,11 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
     Test(test::TestArgs),
-    /// Run all cases of a suite and write their rows into a folder, on one or many machines; finished cases are not repeated
+    /// Run all cases of a suite and write their rows into a folder, on one or many machines; finished cases are not
+    /// repeated
     Sweep(sweep::SweepArgs),
-    /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading services
+    /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading
+    /// services
     #[cfg(feature = "grading")]
     Grade(grade::GradeArgs),
     #[cfg(not(feature = "grading"))]

@@ -20,8 +20,8 @@ pub struct NewArgs {
     /// Name of the program and of its folder; with `--lab` only of the folder, by default the lab's name
     #[arg(value_name = "NAME", required_unless_present = "lab")]
     pub name: Option<String>,
-    /// Write a lab of the course, with a program to begin with in C or Python: lawn, waypoints, distbug, quadtree, brushfire, astar,
-    /// mapping, lane, relay or maze
+    /// Write a lab of the course, with a program to begin with in C or Python: lawn, waypoints, distbug, quadtree,
+    /// brushfire, astar, mapping, lane, relay or maze
     #[arg(long, value_name = "LAB", conflicts_with_all = ["api", "suite"])]
     pub lab: Option<String>,
     /// Language of the program
@@ -252,7 +252,8 @@ impl Project<'_> {
                 files.push(("src/lib.rs".into(), fill(source)));
                 files.push(("README.md".into(), fill(include_str!("new/readme-rust.md"))));
                 files.push((".gitignore".into(), "/target\n".into()));
-                // Locks the dependencies to the versions of this build of eyesim; cargo removes those that are not needed.
+                // Locks the dependencies to the versions of this build of eyesim; cargo removes those that are not
+                // needed.
                 let lock = api.and_then(|api| fs::read_to_string(api.parent()?.join("Cargo.lock")).ok());
                 files.extend(lock.map(|lock| ("Cargo.lock".into(), lock)));
             }

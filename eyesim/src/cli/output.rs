@@ -68,7 +68,8 @@ pub fn say(text: impl std::fmt::Display) {
     }
 }
 
-/// Identity of the files behind standard output and standard error, which programs on threads of this process can replace.
+/// Identity of the files behind standard output and standard error, which programs on threads of this process can
+/// replace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandardStreams([Option<[u64; 3]>; 2]);
 

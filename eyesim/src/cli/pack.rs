@@ -166,8 +166,8 @@ impl Collected {
         Ok(())
     }
 
-    /// The archive of these files. `main` is the scene or suite; `options` maps the values of options to the files that they
-    /// name.
+    /// The archive of these files. `main` is the scene or suite; `options` maps the values of options to the files that
+    /// they name.
     pub(super) fn into_pack(self, main: &Path, options: &BTreeMap<String, PathBuf>) -> anyhow::Result<Pack> {
         let root = self.root();
         let mut manifest = Manifest::new(slashed(normalized(main)?.strip_prefix(&root)?));
@@ -291,7 +291,8 @@ fn example(name: &Path) -> anyhow::Result<PathBuf> {
     bail!("--example: no example is called `{}`, accepted: {}", name.display(), names.collect::<Vec<_>>().join(", "))
 }
 
-/// Lets `args` run the scene of an example or of an archive if they name one; the files are removed when the result is dropped.
+/// Lets `args` run the scene of an example or of an archive if they name one; the files are removed when the result is
+/// dropped.
 ///
 /// # Errors
 /// See [`unpack`].

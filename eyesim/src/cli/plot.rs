@@ -21,8 +21,8 @@ const SIZES: std::ops::RangeInclusive<u32> = 480..=4000;
 /// Arguments of `eyesim plot`.
 #[derive(Args)]
 pub struct PlotArgs {
-    /// The file to draw: .sim or .scene.toml (with all that it names), .wld, .maz, .robi (with its .toml), .esObj; maps and mazes of others:
-    /// .yaml, .pgm, .pbm, .map, .world, .num, .txt
+    /// The file to draw: .sim or .scene.toml (with all that it names), .wld, .maz, .robi (with its .toml), .esObj; maps
+    /// and mazes of others: .yaml, .pgm, .pbm, .map, .world, .num, .txt
     pub file: PathBuf,
     /// The picture: NAME.svg or NAME.png
     #[arg(short, long, value_name = "FILE")]

@@ -404,7 +404,8 @@ mod tests {
 
     const DIGESTS: [Digest; 3] = [Digest([1; 32]), Digest([2; 32]), Digest([3; 32])];
 
-    /// Difference between a trace of 100 ms with two slots and a run of `slots`: end in ms and index of the digest of each.
+    /// Difference between a trace of 100 ms with two slots and a run of `slots`: end in ms and index of the digest of
+    /// each.
     fn divergence(is_complete: bool, slots: &[(i64, usize)], end_ms: i64) -> Option<String> {
         let at = Time::from_millis;
         let mut comparison = Comparison {

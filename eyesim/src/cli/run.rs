@@ -58,8 +58,8 @@ pub struct RunArgs {
     /// Repeat the user interventions of the run that this trace recorded, at the same times
     #[arg(long, value_name = "TRACE")]
     pub repeat: Option<PathBuf>,
-    /// Write every event as a line of JSON during the run, compressed if the name ends with `.zst`; NAME.parquet: as rows of a
-    /// table for pandas, polars and DuckDB
+    /// Write every event as a line of JSON during the run, compressed if the name ends with `.zst`; NAME.parquet: as
+    /// rows of a table for pandas, polars and DuckDB
     #[arg(long, value_name = "FILE", value_parser = output_path())]
     pub trace: Option<PathBuf>,
     /// With --trace, write only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as

@@ -210,8 +210,8 @@ struct Table {
 }
 
 impl Table {
-    /// Creates a table of `robots` that fits the screen. Until it fits, it first cuts the programs, then moves the odometry
-    /// and the pose below the rows, and then cuts the names.
+    /// Creates a table of `robots` that fits the screen. Until it fits, it first cuts the programs, then moves the
+    /// odometry and the pose below the rows, and then cuts the names.
     fn fitting(robots: &[&RobotReport], screen: TableScreen) -> Self {
         let width = |column: Column| {
             let cells = robots.iter().map(|robot| measure_text_width(&column.cell(robot)));

@@ -322,7 +322,8 @@ impl LastFailed {
         read().unwrap_or_default()
     }
 
-    /// Saves the names of the failed cases of the suites that were run. If they cannot be written, the next `--lf` runs all cases.
+    /// Saves the names of the failed cases of the suites that were run. If they cannot be written, the next `--lf` runs
+    /// all cases.
     fn save(&self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| !run.results.is_empty()) {
             let names: Vec<&str> = run.failures().map(|result| result.row.case.as_str()).collect();

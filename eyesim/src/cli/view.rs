@@ -244,7 +244,8 @@ impl Session {
                 std::mem::take(&mut requests.actions)
             }));
             if matches!(finished_run.finished.ended.end, EndReason::ProgramFailed | EndReason::HeapLost) {
-                // The broken program may have left locks of the C library in this process, so later programs get processes.
+                // The broken program may have left locks of the C library in this process, so later programs get
+                // processes.
                 self.args.lock().exec = Exec::Process;
             }
             finished_run.write_files(&args)?;

@@ -123,7 +123,8 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
 pub struct Layout {
     /// Contents of the files by their paths.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// Robots, written as in an option `--program`, each with the paths of its program: one file, one folder, or several files.
+    /// Robots, written as in an option `--program`, each with the paths of its program: one file, one folder, or
+    /// several files.
     pub programs: Vec<(String, Vec<String>)>,
 }
 

@@ -35,8 +35,8 @@ enum SubmissionPart {
     Files(BTreeMap<String, Vec<u8>>),
 }
 
-/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read only for files for which `is_wanted`
-/// returns true.
+/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read only for files for which
+/// `is_wanted` returns true.
 ///
 /// # Errors
 /// The folder or archive as a whole cannot be read.
@@ -176,8 +176,9 @@ struct Owner {
 
 /// Owner of an entry, by the naming schemes of learning systems; `None` for a file that is not a submission.
 ///
-/// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas (`name_LATE_123_456_file.c`, `file-1.c` for a
-/// second attempt) and Blackboard (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
+/// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas
+/// (`name_LATE_123_456_file.c`, `file-1.c` for a second attempt) and Blackboard
+/// (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
 fn owner(entry: &FolderEntry, is_wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
     let name = entry.name.as_str();
     if is_junk(name) || name.starts_with('.') {

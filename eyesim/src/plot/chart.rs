@@ -11,7 +11,8 @@ use super::canvas::{TEXT, TITLE, register_fonts};
 
 /// Width and height of a figure, in pixels.
 const SIZE: (u32, u32) = (860, 440);
-/// Colours legible on white: seven that are distinct with any kind of colour vision (Okabe and Ito), then two less distinct ones.
+/// Colours legible on white: seven that are distinct with any kind of colour vision (Okabe and Ito), then two less
+/// distinct ones.
 const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -145,8 +146,8 @@ struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
-    /// Whether the axis shows 0. On a logarithmic axis, numbers that are not positive are drawn at the lower edge, which
-    /// is labelled 0.
+    /// Whether the axis shows 0. On a logarithmic axis, numbers that are not positive are drawn at the lower edge,
+    /// which is labelled 0.
     shows_zero: bool,
 }
 

@@ -1,4 +1,5 @@
-//! Contents of a picture in metres of the world: shapes with their paint, labels, a legend. Independent of the picture's scale.
+//! Contents of a picture in metres of the world: shapes with their paint, labels, a legend. Independent of the
+//! picture's scale.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Pictures from above, to scale, of files (`eyesim plot`) and of finished runs (`eyesim run --plot`), and charts of
 //! measurements (`eyesim accuracy --plots`).
 //!
-//! `scene` and `run` describe a picture as a [`Drawing`] in metres; `render` renders it. Nothing here changes the simulation or
-//! depends on fonts or libraries of the machine.
+//! `scene` and `run` describe a picture as a [`Drawing`] in metres; `render` renders it. Nothing here changes the
+//! simulation or depends on fonts or libraries of the machine.
 
 mod canvas;
 pub mod chart;

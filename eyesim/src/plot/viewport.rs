@@ -28,8 +28,8 @@ pub struct Viewport {
 }
 
 impl Viewport {
-    /// Viewport that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total size
-    /// of `size` pixels, or a suitable size.
+    /// Viewport that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total
+    /// size of `size` pixels, or a suitable size.
     pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
         let (centre, extent) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
         let extent = extent + DVec2::splat(0.05 * extent.max_element());
@@ -129,8 +129,8 @@ impl Viewport {
         if corners.iter().all(|corner| self.contains(*corner)) {
             return corners.to_vec();
         }
-        // Clips the polygon at one side of the viewport after the other. Each function gives the distance of a point from a
-        // side, positive inside.
+        // Clips the polygon at one side of the viewport after the other. Each function gives the distance of a point
+        // from a side, positive inside.
         let sides: [&dyn Fn(DVec2) -> f64; 4] =
             [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {
                 self.max.y - point.y

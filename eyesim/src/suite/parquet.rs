@@ -6,8 +6,8 @@ use sim_host::record::parquet::{self, TableWriter};
 
 use super::table::{Cell, Table, Type};
 
-/// The bytes of a Parquet file with an optional column for each column of the table: texts as UTF-8 strings, numbers as doubles, whole
-/// numbers as unsigned 64-bit integers, flags as booleans.
+/// The bytes of a Parquet file with an optional column for each column of the table: texts as UTF-8 strings, numbers as
+/// doubles, whole numbers as unsigned 64-bit integers, flags as booleans.
 ///
 /// # Errors
 /// Errors of the writer; none are known to occur.

@@ -35,8 +35,8 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
     Ok(rows)
 }
 
-/// Joins two rows with one key. A row of a run that was stopped for its processor time has no digest; it is replaced by a
-/// row with a digest.
+/// Joins two rows with one key. A row of a run that was stopped for its processor time has no digest; it is replaced by
+/// a row with a digest.
 fn join(known: &mut (Row, String), row: Row, location: String) -> Result<(), SweepError> {
     let (known_row, known_location) = &*known;
     let conflict = |quantity, first: &str, second: &str| SweepError::Conflict {

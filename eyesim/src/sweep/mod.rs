@@ -1,8 +1,8 @@
 //! Sweeps as a library: the rows of the cases of a suite in a folder, with one append-only file for each shard.
 //!
 //! A [`Shard`] is the part of the cases that one process runs. [`ShardFile::open`] locks and reads the file of a shard,
-//! [`finished_cases`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads the files
-//! of all shards, [`merge`] joins their rows.
+//! [`finished_cases`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads
+//! the files of all shards, [`merge`] joins their rows.
 
 mod file;
 mod merge;
@@ -108,7 +108,8 @@ pub enum SweepError {
     },
 }
 
-/// Indices of the cases of a shard that have rows in its file, with their outcomes; without cases that could not be run.
+/// Indices of the cases of a shard that have rows in its file, with their outcomes; without cases that could not be
+/// run.
 ///
 /// # Errors
 /// [`SweepError::Foreign`] for rows whose keys differ from the current keys of their cases.

@@ -1,5 +1,5 @@
-//! Advances a run that pages watch and control: paces, pauses and steps the run, applies the interventions that pages request,
-//! and shows the run's state.
+//! Advances a run that pages watch and control: paces, pauses and steps the run, applies the interventions that pages
+//! request, and shows the run's state.
 
 use std::mem::take;
 use std::sync::Arc;
@@ -133,7 +133,8 @@ impl Driver {
         self.now = self.now.max(reached);
     }
 
-    /// Runs the slot at `next`, which was due at `due`; at full speed also the slots that follow, for [`CHECK_INTERVAL`].
+    /// Runs the slot at `next`, which was due at `due`; at full speed also the slots that follow, for
+    /// [`CHECK_INTERVAL`].
     fn run_slot(&mut self, run: &mut Scheduler, next: Time, due: Option<Instant>) -> Progress {
         if due.is_some_and(|due| due.elapsed() > MAX_DELAY) {
             self.anchor = None;

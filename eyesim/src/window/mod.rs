@@ -1,8 +1,8 @@
 //! The window of a run: fills the pages' protocol and carries out the pages' commands.
 //!
-//! [`scene`], [`snapshot`], [`detail`] and `layer` fill the protocol of `sim_view` from a run at rest between two slots;
-//! [`feed`] reports events, and [`driver`] advances the run as its pages request. Watching draws no random numbers and
-//! does not change the run.
+//! [`scene`], [`snapshot`], [`detail`] and `layer` fill the protocol of `sim_view` from a run at rest between two
+//! slots; [`feed`] reports events, and [`driver`] advances the run as its pages request. Watching draws no random
+//! numbers and does not change the run.
 #![forbid(unsafe_code)]
 
 mod action;

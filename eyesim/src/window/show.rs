@@ -166,8 +166,8 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Takes over the selection of robots by pages, and records the RoBIOS calls of exactly those robots whose calls a page
-    /// requests or a check counts.
+    /// Takes over the selection of robots by pages, and records the RoBIOS calls of exactly those robots whose calls a
+    /// page requests or a check counts.
     fn update_looks(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {

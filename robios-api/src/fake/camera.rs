@@ -58,7 +58,8 @@ impl FakeRobot {
         has_camera
     }
 
-    /// Takes an image of `size`, by default of the camera's size: red, green and blue of each pixel; `None` if the camera is off.
+    /// Takes an image of `size`, by default of the camera's size: red, green and blue of each pixel; `None` if the
+    /// camera is off.
     pub(super) fn colors(&self, state: &mut State, size: Option<ImageSize>) -> Option<Vec<u8>> {
         let (script, now_us) = (self.fake.camera.color.as_ref()?, state.now_us);
         let camera = state.camera.as_mut()?;

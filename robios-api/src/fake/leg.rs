@@ -68,8 +68,8 @@ impl Default for FakeLeg {
 }
 
 impl Fake {
-    /// Adds a leg with the script of its state. The robot accepts every gait from 1 on, every step height from 0 on and every
-    /// correction.
+    /// Adds a leg with the script of its state. The robot accepts every gait from 1 on, every step height from 0 on and
+    /// every correction.
     pub fn leg(mut self, leg: impl Fn(&Moment) -> FakeLeg + Send + 'static) -> Self {
         self.legs.push(Box::new(leg));
         self

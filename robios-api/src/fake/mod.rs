@@ -131,7 +131,8 @@ impl fmt::Debug for Fake {
 }
 
 impl Fake {
-    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. Its limit is 60 s.
+    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. Its limit is 60
+    /// s.
     ///
     /// At full power of the motors the robot drives at 0.5 m/s. Its wheels are 0.1 m apart, and its encoders have 1,000
     /// ticks a metre. At the start, north is to its left.
@@ -158,7 +159,8 @@ impl Fake {
 
     /// Adds a distance sensor with the script of its distances; `None` is out of range.
     ///
-    /// The sensor rounds to whole millimetres like the real one; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 on request.
+    /// The sensor rounds to whole millimetres like the real one; in RoBIOS 6 it measures every 60 ms, in RoBIOS-7 on
+    /// request.
     pub fn psd(
         mut self,
         at: impl Into<PsdName>,
@@ -254,7 +256,8 @@ impl Fake {
     fn run_machine<M: Machine, O: Outcome>(self, main: impl FnOnce(&M) -> O) -> Run {
         self.run_with(M::GENERATION, |last_call_site, host, context, argc, argv| {
             let recorder = call_site::Recorder::Fake(last_call_site);
-            // SAFETY: host, context and arguments live until the call returns, and meet the contract of `robios_sys::Run`.
+            // SAFETY: host, context and arguments live until the call returns, and meet the contract of
+            // `robios_sys::Run`.
             unsafe { entry::run_for(recorder, host, context, argc, argv, main) }
         })
     }
@@ -418,8 +421,8 @@ impl Run {
     /// Text of a line of the display at the end of the run, without trailing blanks. Row 0 is at the top; a row beyond
     /// the display is empty.
     ///
-    /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7 for every font; the last line is the
-    /// menu.
+    /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7 for every font; the last
+    /// line is the menu.
     pub fn lcd_line(&self, row: usize) -> &str {
         self.lcd.get(row).map_or("", String::as_str)
     }

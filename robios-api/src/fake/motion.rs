@@ -20,7 +20,8 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose after a motion with constant twist, given by its lengths ahead and to the left and its change of heading.
+    /// The pose after a motion with constant twist, given by its lengths ahead and to the left and its change of
+    /// heading.
     pub fn moved(self, ahead: f64, left: f64, angle: f64) -> Self {
         // The chord of the arc differs in direction from the initial heading by half of the change of heading.
         let half = angle / 2.0;

@@ -58,8 +58,8 @@ impl FakeRobot {
     }
 }
 
-/// Duration in seconds of a drive over a length at a speed, or over an angle at a rate of turn; infinite for a speed of 0 or
-/// less.
+/// Duration in seconds of a drive over a length at a speed, or over an angle at a rate of turn; infinite for a speed of
+/// 0 or less.
 fn span_s(distance: i32, speed: i32) -> f64 {
     if speed > 0 { f64::from(distance).abs() / f64::from(speed) } else { f64::INFINITY }
 }

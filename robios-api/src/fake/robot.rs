@@ -19,8 +19,8 @@ use super::{Call, End, Fake, Moment, Run};
 use crate::call_site::LastCallSite;
 use crate::robios7::Color;
 
-/// Virtual time that a call takes if it does not wait, in microseconds. It is as long as on a slow processor, so that polling loops
-/// soon reach the limit.
+/// Virtual time that a call takes if it does not wait, in microseconds. It is as long as on a slow processor, so that
+/// polling loops soon reach the limit.
 const CALL_COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
@@ -300,8 +300,8 @@ impl State {
         odometry_origin.compose(true_origin.relative(self.motion.pose(self.now_us)))
     }
 
-    /// Advances the clock to the first timer that is due and returns its callback. Returns `None` while timers are held back or a
-    /// timer's function runs.
+    /// Advances the clock to the first timer that is due and returns its callback. Returns `None` while timers are held
+    /// back or a timer's function runs.
     pub(super) fn take_due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
         if self.is_over || self.tasks.must_running_task_end() {
             return Err(Stop);

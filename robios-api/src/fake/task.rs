@@ -1,6 +1,7 @@
 //! Tasks of a fake robot: each on its own thread, one at a time.
 //!
-//! The running task is chosen within calls, by priority and by the order of becoming ready, never by the operating system.
+//! The running task is chosen within calls, by priority and by the order of becoming ready, never by the operating
+//! system.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex};
@@ -185,15 +186,16 @@ impl State {
 /// Pointer to a fake robot, for the thread of one of its tasks.
 struct FakeRobotPtr(*const FakeRobot);
 
-// SAFETY: all of a fake robot is `Send`, see `is_send` below, and only the holder of the run token accesses it. The token is
-// passed under a lock, so the next holder sees the writes of the previous one.
+// SAFETY: all of a fake robot is `Send`, see `is_send` below, and only the holder of the run token accesses it. The
+// token is passed under a lock, so the next holder sees the writes of the previous one.
 unsafe impl Send for FakeRobotPtr {}
 
 const fn is_send<T: Send>() {}
 const _: () = is_send::<FakeRobot>();
 
 impl FakeRobot {
-    /// In preemptive mode, lets another task run if one has precedence. Called at the end of a call or of a part of a wait.
+    /// In preemptive mode, lets another task run if one has precedence. Called at the end of a call or of a part of a
+    /// wait.
     pub(super) fn yield_if_preempted(&self) -> Result<(), Stop> {
         let is_preempted = {
             let state = &mut *self.state.borrow_mut();
@@ -266,7 +268,8 @@ impl FakeRobot {
             let state = self.state.borrow();
             (!state.is_over && !state.tasks.has_main_returned).then(|| state.tasks.entries[task].code)
         };
-        // SAFETY: the program is in its `run`, in a call in which one of its tasks passed the run token to this one; nothing is borrowed.
+        // SAFETY: the program is in its `run`, in a call in which one of its tasks passed the run token to this one;
+        // nothing is borrowed.
         let result = callback.map_or(Ok(()), |callback| unsafe { callback.call() });
         let killer = {
             let state = &mut *self.state.borrow_mut();

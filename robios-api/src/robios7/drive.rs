@@ -88,7 +88,8 @@ impl Drive<'_> {
     /// `angle` is positive for counter-clockwise, `rate` above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a rate that RoBIOS does not accept, or if the robot cannot turn on the spot.
+    /// [`Error::Refused`](crate::Error::Refused) for a rate that RoBIOS does not accept, or if the robot cannot turn on
+    /// the spot.
     #[track_caller]
     pub fn turn(&self, angle: Angle, rate: TurnRate) -> Result<&Self> {
         self.0.settings().is_turning.set(true);
@@ -114,7 +115,8 @@ impl Drive<'_> {
     /// Starts to drive in one arc to a point in the robot's frame, and does not wait; replaces a drive in progress.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept, or a point that the robot cannot reach.
+    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept, or a point that the robot
+    /// cannot reach.
     #[track_caller]
     pub fn drive_to(&self, ahead: Length, left: Length, speed: Speed) -> Result<&Self> {
         self.0.settings().is_turning.set(false);

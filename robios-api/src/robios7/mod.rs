@@ -1,8 +1,8 @@
 //! API of RoBIOS-7, as far as it differs from RoBIOS 6.
 //!
-//! A program whose function takes this module's [`Robot`] is a program of RoBIOS-7. Devices are numbered from 1 and need no
-//! initialisation. Lengths, angles, speeds and times are quantities with units, as in RoBIOS 6; they are passed to RoBIOS as
-//! whole millimetres, degrees, mm/s, degrees/s and milliseconds, rounded.
+//! A program whose function takes this module's [`Robot`] is a program of RoBIOS-7. Devices are numbered from 1 and
+//! need no initialisation. Lengths, angles, speeds and times are quantities with units, as in RoBIOS 6; they are passed
+//! to RoBIOS as whole millimetres, degrees, mm/s, degrees/s and milliseconds, rounded.
 //!
 //! ```standalone_crate
 //! # mod program {

@@ -155,7 +155,8 @@ impl Radio {
     }
 }
 
-/// Typed messages, encoded by `postcard` and `cobs`, without a 0 byte and without a checksum. Requires the feature `serde`.
+/// Typed messages, encoded by `postcard` and `cobs`, without a 0 byte and without a checksum. Requires the feature
+/// `serde`.
 #[cfg(feature = "serde")]
 impl Radio {
     /// Sends a value to one robot; does not wait.

@@ -1,7 +1,7 @@
 //! Multi-tasking: several tasks of one program, one of which runs at a time.
 //!
-//! Memory safety does not depend on the schedule: a task's function and the values that it shares are `Send`, each task has its own
-//! [`Robot`], which no other task can reach, and shared values are locked.
+//! Memory safety does not depend on the schedule: a task's function and the values that it shares are `Send`, each task
+//! has its own [`Robot`], which no other task can reach, and shared values are locked.
 
 mod semaphore;
 mod shared;
@@ -28,7 +28,8 @@ use crate::{Error, Result, Robot};
 pub enum TaskMode {
     /// `COOP`: tasks switch only when the running task yields or waits for another.
     Cooperative,
-    /// `PREEMPT`: after [`Tasks::permit`] also when a time slice of 10 ms ends or a task of higher priority becomes ready.
+    /// `PREEMPT`: after [`Tasks::permit`] also when a time slice of 10 ms ends or a task of higher priority becomes
+    /// ready.
     Preemptive,
 }
 
@@ -97,8 +98,8 @@ impl TaskSettings {
 impl Robot {
     /// Starts multi-tasking: the calling function becomes a task of lower priority than all others.
     ///
-    /// The mode cannot be changed afterwards. The program ends when `main` returns. A task that panics or returns an error ends the
-    /// program.
+    /// The mode cannot be changed afterwards. The program ends when `main` returns. A task that panics or returns an
+    /// error ends the program.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -196,7 +197,8 @@ impl<'a> Tasks<'a> {
 
     /// Creates a task that is not yet ready to run: see [`Task::ready`].
     ///
-    /// The function gets its own robot, from which it obtains its devices. It may return nothing or a `Result`, as `main` may.
+    /// The function gets its own robot, from which it obtains its devices. It may return nothing or a `Result`, as
+    /// `main` may.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if there are too many tasks or multi-tasking is off.
@@ -285,7 +287,8 @@ impl<'a> Tasks<'a> {
         checked("OSYield", Device::Tasks, robios!(self.0, OSYield()))
     }
 
-    /// Sleeps for whole hundredths of a second, rounded up, while other tasks run; [`Robot::sleep`] is exact to the microsecond.
+    /// Sleeps for whole hundredths of a second, rounded up, while other tasks run; [`Robot::sleep`] is exact to the
+    /// microsecond.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the call.
@@ -319,9 +322,9 @@ impl<'a> Tasks<'a> {
 
     /// Calls a function periodically, as [`Robot::every`] does, in a program with tasks.
     ///
-    /// The function runs inside the call that is in progress when the timer is due, on the thread of the task that made the call: it
-    /// must be `Send`, and it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must
-    /// not wait.
+    /// The function runs inside the call that is in progress when the timer is due, on the thread of the task that made
+    /// the call: it must be `Send`, and it obtains its devices from the robot that it gets. It may make tasks ready and
+    /// signal semaphores, but must not wait.
     ///
     /// # Errors
     /// See [`Robot::every`].

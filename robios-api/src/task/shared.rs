@@ -34,7 +34,8 @@ impl<T> Shared<T> {
 
     /// Locks the value; waits while another task has it locked.
     ///
-    /// A task that locks the value twice deadlocks. If a task is killed while it holds the lock, the value keeps its current state.
+    /// A task that locks the value twice deadlocks. If a task is killed while it holds the lock, the value keeps its
+    /// current state.
     ///
     /// # Panics
     /// If the value was created in another run.

@@ -1,6 +1,5 @@
-//! Regenerates the files that follow from the lists: headers and parts of the shim, `docs/c-library.md`, and the references of both
-//! generations:
-//! `cargo run -p robios-sys --bin generate`.
+//! Regenerates the files that follow from the lists: headers and parts of the shim, `docs/c-library.md`, and the
+//! references of both generations: `cargo run -p robios-sys --bin generate`.
 
 use std::fs;
 use std::path::Path;

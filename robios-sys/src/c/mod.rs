@@ -1,6 +1,6 @@
 //! The C side, as text: headers for programs, the shim that is compiled into every C program's library, the compiler's
-//! flags, and the interposed functions of the C library. Files that are generated from the lists of functions begin with a note;
-//! `cargo run -p robios-sys --bin generate` writes them.
+//! flags, and the interposed functions of the C library. Files that are generated from the lists of functions begin
+//! with a note; `cargo run -p robios-sys --bin generate` writes them.
 
 mod generate;
 mod library;
@@ -58,7 +58,8 @@ pub const HEADERS7: &[SourceFile] = files![
 /// without a declaration.
 pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
 
-/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`TRUTH`] without a declaration.
+/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`TRUTH`] without a
+/// declaration.
 pub const TRUTH_HEADER: &str = "eyesim-truth.h";
 
 /// Names of [`TRUTH_HEADER`].
@@ -73,8 +74,8 @@ pub const VARIANTS6: &str = include_str!("../../include/robios6/variants.h");
 /// The header with further names of RoBIOS-7.
 pub const VARIANTS7: &str = include_str!("../../include/robios7/variants.h");
 
-/// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into
-/// a program.
+/// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked
+/// into a program.
 pub const SHIM: &[SourceFile] = files![
     "shim" / "abi.h",
     "shim" / "robios6.c",
@@ -102,8 +103,8 @@ pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 /// processor. `-fno-strict-aliasing`: old programs read images through other types. `-pipe`: the assembler's messages
 /// name no temporary file, whose name differs each time.
 ///
-/// `-fno-builtin-...`: functions outside of the C standards, which programs may define themselves; given the same type, a
-/// compiler would substitute its own.
+/// `-fno-builtin-...`: functions outside of the C standards, which programs may define themselves; given the same type,
+/// a compiler would substitute its own.
 pub const COMPILE_FLAGS: &[&str] = &[
     "-g",
     "-pipe",
@@ -160,8 +161,8 @@ pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
 /// misspelled function when linking and not when loading.
 pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
 
-/// Flags for linking a library with parts in C++: its copies share neither the C++ library nor symbols that C++ makes unique in
-/// the process (`STB_GNU_UNIQUE`: static variables of templates and inline functions).
+/// Flags for linking a library with parts in C++: its copies share neither the C++ library nor symbols that C++ makes
+/// unique in the process (`STB_GNU_UNIQUE`: static variables of templates and inline functions).
 pub const CPP_LINK_FLAGS: &[&str] = &["-static-libstdc++", "-static-libgcc"];
 
 /// The file of [`SHIM`] that is the linker's version script of a library with parts in C++, which exports only its

@@ -314,7 +314,8 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut is_placed = vec![false; robi.links.len()];
     let mut order = Vec::with_capacity(robi.links.len());
     for index in 0..robi.links.len() {
-        // Follows the parents up to the first ancestor that is already in `order`, then appends this chain, ancestors first.
+        // Follows the parents up to the first ancestor that is already in `order`, then appends this chain, ancestors
+        // first.
         let mut chain = Vec::new();
         let mut next = Some(index);
         while let Some(link) = next.filter(|link| !is_placed[*link]) {
@@ -380,8 +381,8 @@ fn gait(spec: &GaitSpec, legs: usize) -> Gait {
     }
 }
 
-/// Drive and body model of a robot type. For a legged robot, the maximum speed and turning speed are lowered to the limits of
-/// its gaits.
+/// Drive and body model of a robot type. For a legged robot, the maximum speed and turning speed are lowered to the
+/// limits of its gaits.
 pub fn model(robi: &RobiSpec) -> Model {
     let mut model = model_of_file(robi);
     if let Some(legs) = legs(robi).filter(|_| robi.drive.kind == DriveKind::Legged) {

@@ -28,8 +28,8 @@ const MAX_COEFFICIENT: f64 = 1e30;
 const MAX_RECIPROCAL_DISTANCE: f64 = 1e9;
 
 impl Face {
-    /// The face with these corners; `None` if the camera sees it edge-on, if it has no area, or if the camera sees its back
-    /// side and `hides_back_side` is true.
+    /// The face with these corners; `None` if the camera sees it edge-on, if it has no area, or if the camera sees its
+    /// back side and `hides_back_side` is true.
     #[inline(always)]
     pub fn new(
         (part, triangle): (u32, u32),
@@ -57,7 +57,8 @@ impl Face {
     }
 
     /// Linear form that interpolates values at the corners over the face. The value at a ray is
-    /// a + form . ray / plane . ray, where a is the value at the first corner and [`plane`](Self::plane) the face's plane.
+    /// a + form . ray / plane . ray, where a is the value at the first corner and [`plane`](Self::plane) the face's
+    /// plane.
     #[inline(always)]
     pub fn form(&self, [a, b, c]: [f64; 3]) -> DVec3 {
         (self.edges[1] * (b - a) + self.edges[2] * (c - a)) * self.inverse_det

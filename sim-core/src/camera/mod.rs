@@ -1,8 +1,8 @@
 //! Software renderer for cameras: pictures, depths and labels of a scene, without a graphics card.
 //!
-//! A [`Scenery`] is everything visible in a scene, shared by all cameras. A [`PosedScenery`] adds the poses of its parts at
-//! an instant. A [`View`] is a camera's pose, its lens and the size of its image. A [`Camera`] renders a posed scenery in a
-//! view.
+//! A [`Scenery`] is everything visible in a scene, shared by all cameras. A [`PosedScenery`] adds the poses of its
+//! parts at an instant. A [`View`] is a camera's pose, its lens and the size of its image. A [`Camera`] renders a posed
+//! scenery in a view.
 //!
 //! # Pictures
 //! Row 0 is on top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first

@@ -117,8 +117,8 @@ impl Optics {
         }
     }
 
-    /// The pixels that may show part of a face whose corners have these [image positions](Self::image_position); `None` for
-    /// a face outside the image.
+    /// The pixels that may show part of a face whose corners have these [image positions](Self::image_position); `None`
+    /// for a face outside the image.
     pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<PixelRect> {
         if !self.is_flat {
             return self.curved_area([a, b, c]);

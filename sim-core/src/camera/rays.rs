@@ -127,9 +127,9 @@ impl Window {
         (middle, size * self.radius)
     }
 
-    /// Tolerance of the test of a ray against an edge: 1e-4 pixels, or 2e-6 rad for a fisheye. The ray hits the face if its
-    /// dot products with the edges are at least the negative of this value. The tolerance exceeds the rounding of `f32`, so
-    /// that nothing shows through between faces that share an edge or a corner.
+    /// Tolerance of the test of a ray against an edge: 1e-4 pixels, or 2e-6 rad for a fisheye. The ray hits the face if
+    /// its dot products with the edges are at least the negative of this value. The tolerance exceeds the rounding of
+    /// `f32`, so that nothing shows through between faces that share an edge or a corner.
     #[inline(always)]
     pub fn slack<const FLAT: bool>(&self, edge: DVec3) -> f64 {
         if FLAT { 1e-4 * (edge.x.abs() + edge.y.abs()) } else { 2e-6 * edge.length() }

@@ -62,9 +62,9 @@ impl Camera {
         }
     }
 
-    /// Colour picture of this view (red, green, blue) without the body of the robot `observer`. Each pixel is the rounded
-    /// mean of `samples` x `samples` pixels of a larger picture. `samples` is reduced if the larger picture would exceed the
-    /// size limit of [`View`], and is at least 1.
+    /// Colour picture of this view (red, green, blue) without the body of the robot `observer`. Each pixel is the
+    /// rounded mean of `samples` x `samples` pixels of a larger picture. `samples` is reduced if the larger picture
+    /// would exceed the size limit of [`View`], and is at least 1.
     pub fn colour(
         &mut self,
         posed: &PosedScenery,
@@ -153,8 +153,8 @@ impl Camera {
         self.picture_of(posed, view, observer, Label::Sky, label)
     }
 
-    /// Picture of the results of `value`, called with the face number and position of each pixel. `fill` is the initial value
-    /// of all pixels.
+    /// Picture of the results of `value`, called with the face number and position of each pixel. `fill` is the initial
+    /// value of all pixels.
     fn picture_of<T: Copy>(
         &mut self,
         posed: &PosedScenery,

@@ -55,15 +55,16 @@ pub struct Part {
     pub attachment: Attachment,
 }
 
-/// Directional light of the sun, infinitely far away, and ambient light. The three fractions should add up to 1, so that
-/// white in full light is white.
+/// Directional light of the sun, infinitely far away, and ambient light. The three fractions should add up to 1, so
+/// that white in full light is white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector towards the sun, world frame.
     pub sun_direction: DVec3,
     /// Fraction of light that reaches every surface equally.
     pub ambient: f64,
-    /// Fraction of light from the side opposite to the sun. It casts no shadows; faces in shadow thus differ in brightness.
+    /// Fraction of light from the side opposite to the sun. It casts no shadows; faces in shadow thus differ in
+    /// brightness.
     pub fill: f64,
     /// Fraction of light from the sun, for a surface that faces it directly.
     pub diffuse: f64,

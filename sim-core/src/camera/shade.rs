@@ -124,8 +124,8 @@ fn round_with<S: Simd>(simd: S, colours: &Colours) -> [i32; PIXELS] {
     pixels
 }
 
-/// Colours pixels that show one surface. `pixels` and `lit` are bit masks: the pixels, and those that the sun reaches if
-/// the surface faces it. `ray` is the ray of one of the pixels.
+/// Colours pixels that show one surface. `pixels` and `lit` are bit masks: the pixels, and those that the sun reaches
+/// if the surface faces it. `ray` is the ray of one of the pixels.
 #[inline(always)]
 fn paint<S: Simd, const FLAT: bool>(
     simd: S,

@@ -64,13 +64,14 @@ pub struct PaintedGround<'a> {
 pub struct Sun<'a> {
     /// Shadow casters that never move, and moving shadow casters.
     pub grids: [&'a ShadowGrid; 2],
-    /// Coordinates of a surface in the grids' frame: two perpendicular to the sun's direction, the third towards the sun.
+    /// Coordinates of a surface in the grids' frame: two perpendicular to the sun's direction, the third towards the
+    /// sun.
     coordinates: [Attribute; 3],
 }
 
 impl Sun<'_> {
-    /// The pixels of the bit mask `pixels` that the sun reaches. The pixels show the face `shown_face`, in the plane `plane`;
-    /// `ray_of` gives their rays in lens space.
+    /// The pixels of the bit mask `pixels` that the sun reaches. The pixels show the face `shown_face`, in the plane
+    /// `plane`; `ray_of` gives their rays in lens space.
     pub fn lit_pixels(
         &self,
         plane: DVec3,

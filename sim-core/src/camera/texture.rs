@@ -17,8 +17,8 @@ pub enum Wrap {
 /// A mip map: an image at several levels, each half as wide and high as the previous one (Williams, Pyramidal
 /// parametrics, 1983).
 ///
-/// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of one or two texels if
-/// that level has only one row or column. If a number of rows or columns is odd, the last one is omitted.
+/// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of one or two texels
+/// if that level has only one row or column. If a number of rows or columns is odd, the last one is omitted.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels. They
@@ -29,9 +29,9 @@ pub enum Wrap {
 /// 1/n) / 2 of L before and after the middle. The colour is the mean of the probes, and changes continuously with the
 /// footprint.
 ///
-/// A probe has the level log2(|L| / n). It samples the nearest integer level and blends the four nearest texels linearly.
-/// Within an eighth of a level of the middle between two levels, it blends both levels, linearly in the level. Level 0 is
-/// the image, also for probes smaller than a texel. Transparent texels show the material's colour.
+/// A probe has the level log2(|L| / n). It samples the nearest integer level and blends the four nearest texels
+/// linearly. Within an eighth of a level of the middle between two levels, it blends both levels, linearly in the
+/// level. Level 0 is the image, also for probes smaller than a texel. Transparent texels show the material's colour.
 ///
 /// Our choice, after Feline (McCormack et al., 1999) for the probes; blending two levels only on a part of the interval
 /// is common in graphics drivers, and saves a third of the texels.
@@ -104,9 +104,10 @@ impl MipMap {
         self.wrap
     }
 
-    /// Filtered red, green, blue and opacity, 0 to 255, at `uv` (to the right and downwards from the upper left corner; 1 is
-    /// the full width or height). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in texels. Only
-    /// the lanes in the bit mask `wanted` are defined. `CHANNELS` is 3 without opacity, which is 0 then, and 4 with it.
+    /// Filtered red, green, blue and opacity, 0 to 255, at `uv` (to the right and downwards from the upper left corner;
+    /// 1 is the full width or height). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in
+    /// texels. Only the lanes in the bit mask `wanted` are defined. `CHANNELS` is 3 without opacity, which is 0 then,
+    /// and 4 with it.
     #[inline(always)]
     pub(super) fn sample<S: Simd, const CHANNELS: usize>(
         &self,
@@ -274,8 +275,8 @@ impl MipMap {
     }
 }
 
-/// The four texels around a position for the lanes of the quarter `quarter`, lane by lane. The vector is made of blocks in
-/// registers: a vector read from memory to which the lanes were written one by one would wait for all of them.
+/// The four texels around a position for the lanes of the quarter `quarter`, lane by lane. The vector is made of blocks
+/// in registers: a vector read from memory to which the lanes were written one by one would wait for all of them.
 #[inline(always)]
 fn four_texels<S: Simd>(simd: S, texels: &[[i32; 2]], first: &[i32], quarter: usize) -> S::i32s {
     let blocks = S::i32s::LEN / 4;

@@ -11,7 +11,8 @@ use crate::pose::Pose3;
 /// image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// Straight lines stay straight: the distance from the middle is proportional to the tangent of the angle off the axis.
+    /// Straight lines stay straight: the distance from the middle is proportional to the tangent of the angle off the
+    /// axis.
     Pinhole {
         /// Horizontal field of view over the width of the image, rad; below pi.
         fov: f64,
@@ -136,7 +137,8 @@ impl View {
         }
     }
 
-    /// Unit vector, in the world frame, of the line of sight through an image position; `None` beyond a fisheye's image.
+    /// Unit vector, in the world frame, of the line of sight through an image position; `None` beyond a fisheye's
+    /// image.
     pub fn direction(&self, position: DVec2) -> Option<DVec3> {
         self.ray(position).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
     }

@@ -620,7 +620,8 @@ impl Coverage {
         self.covered_cells as f64 >= self.min_fraction * self.total_cells as f64 - 1e-6
     }
 
-    /// Collects the uncovered squares whose centres the tool reaches in a section: instant, index, position of the tool.
+    /// Collects the uncovered squares whose centres the tool reaches in a section: instant, index, position of the
+    /// tool.
     fn find_covered(&self, section: &MotionSection, entries: &mut Vec<(f64, usize, DVec2)>) {
         let (middle, disc_radius) = section.surrounding_disc();
         let bounds = Bounds::of_disc(middle, disc_radius + self.half_width + self.cell);

@@ -34,8 +34,8 @@ impl MotionSection {
         Self { from, to, origin, path, forward_offset: 0.0, heading: Heading::new(0.0) }
     }
 
-    /// Appends to `sections` the motion on successive passages from `from` to `to`, for the point that is `forward_offset` metres
-    /// in front of the centre.
+    /// Appends to `sections` the motion on successive passages from `from` to `to`, for the point that is
+    /// `forward_offset` metres in front of the centre.
     pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), forward_offset: f64) {
         let origin = |passage: &Passage| passage.start.seconds() + passage.begin;
         let (from, to) = (from.seconds(), to.seconds());

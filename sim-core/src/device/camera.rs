@@ -1,8 +1,8 @@
 //! Camera of a robot: settings, instant and pose of each exposure, and errors of lens and sensor.
 //!
 //! An image is exposed [`READ_OUT`] before it is available. It shows the scene from the camera's pose at the exposure,
-//! with the published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure
-//! is our choice.
+//! with the published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of
+//! exposure is our choice.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -70,7 +70,8 @@ pub struct Exposure {
     pub view: View,
     pub(crate) scenery: Arc<Scenery>,
     pub(crate) poses: Vec<Option<Pose3>>,
-    /// True if an intervention has switched the camera off: the image is black, depths are infinite, and all labels are sky.
+    /// True if an intervention has switched the camera off: the image is black, depths are infinite, and all labels are
+    /// sky.
     pub(crate) is_dark: bool,
 }
 

@@ -50,8 +50,8 @@ impl Compass {
         self.measured_at.is_some()
     }
 
-    /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` computes the value at
-    /// an instant.
+    /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` computes the
+    /// value at an instant.
     pub fn read(&mut self, now: Time, measure: impl FnOnce(Time) -> f64) -> Option<f64> {
         self.advance(now);
         let measured_at = self.measured_at?;

@@ -86,8 +86,8 @@ fn parse_pixel(text: &str) -> Option<[i32; 2]> {
 
 /// Queue of future and unread presses, ordered by time; equal times keep the order of insertion.
 ///
-/// A reader passes `key_of`, which maps an input to a key of the reader. Inputs for which `key_of` returns `None` stay in
-/// the queue.
+/// A reader passes `key_of`, which maps an input to a key of the reader. Inputs for which `key_of` returns `None` stay
+/// in the queue.
 #[derive(Clone, Debug, Default)]
 pub struct InputQueue {
     presses: VecDeque<(Time, UserInput)>,

@@ -21,7 +21,8 @@ use crate::noise::{CompassErrors, Profile};
 use crate::spec::RobiSpec;
 use crate::time::Time;
 
-/// The devices of one robot. The fields are laid out in this order: those that most readings access come first, side by side.
+/// The devices of one robot. The fields are laid out in this order: those that most readings access come first, side by
+/// side.
 #[derive(Clone, Debug, Default)]
 #[repr(C)]
 pub struct Devices {

@@ -1,8 +1,8 @@
 //! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant, as known when
-//! the program first reads it, and is computed then: [`Ranges::read`](super::range::Ranges::read) computes it and adds the errors. Source: RoBIOS 6
-//! library, position sensing devices.
+//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant, as known
+//! when the program first reads it, and is computed then: [`Ranges::read`](super::range::Ranges::read) computes it and
+//! adds the errors. Source: RoBIOS 6 library, position sensing devices.
 
 use std::iter::successors;
 use std::ops::Range;
@@ -27,11 +27,12 @@ pub struct Psds {
     stamp: Option<Time>,
     /// Sensors that were read in the latest cycle.
     read: SensorSet,
-    /// Sensors that were read in the cycle before, and will probably be read in the latest: the first read measures with
-    /// all of them, because the rays of one instant share work.
+    /// Sensors that were read in the cycle before, and will probably be read in the latest: the first read measures
+    /// with all of them, because the rays of one instant share work.
     expected: SensorSet,
-    /// Revision of the robot's motion at the last measurement. A contact that is resolved at the end of a slot can change the
-    /// motion of that slot, so a value that was not read before is then computed anew. `None` after other changes.
+    /// Revision of the robot's motion at the last measurement. A contact that is resolved at the end of a slot can
+    /// change the motion of that slot, so a value that was not read before is then computed anew. `None` after other
+    /// changes.
     revision: Option<u64>,
 }
 
@@ -64,7 +65,8 @@ impl Psds {
     /// Starts measuring with `sensors` at `now`, for one cycle or continuously. Returns false, without effect, if a
     /// measurement is in progress.
     ///
-    /// Until the first cycle is complete, [`stamp`](Self::stamp) is `None` and [`read`](Self::read) returns older values.
+    /// Until the first cycle is complete, [`stamp`](Self::stamp) is `None` and [`read`](Self::read) returns older
+    /// values.
     pub fn start(&mut self, sensors: SensorSet, is_continuous: bool, now: Time) -> bool {
         self.advance(now);
         if self.measurement.is_some() {
@@ -94,8 +96,8 @@ impl Psds {
         self.stamp
     }
 
-    /// The latest value of sensor `index` of a robot whose motion has this revision; `None` if the sensor has never completed
-    /// a cycle. `measure` computes the readings of a set of sensors at an instant.
+    /// The latest value of sensor `index` of a robot whose motion has this revision; `None` if the sensor has never
+    /// completed a cycle. `measure` computes the readings of a set of sensors at an instant.
     pub fn read(&mut self, index: usize, now: Time, revision: u64, measure: impl Measure) -> Option<Measured> {
         self.advance(now);
         let measured_at = self.readings.get(index)?.measured_at?;
@@ -125,8 +127,8 @@ impl Psds {
         }
     }
 
-    /// Drops the values that the program has not read yet: they are computed anew when it reads them. Called if sensors or
-    /// their errors change.
+    /// Drops the values that the program has not read yet: they are computed anew when it reads them. Called if sensors
+    /// or their errors change.
     pub fn forget_unread(&mut self) {
         self.revision = None;
     }

@@ -1,6 +1,7 @@
 //! Range sensors: their readings at an instant.
 //!
-//! PSDs come first, then the sensors of the other kinds. Only [`Ranges::read`] turns the world into a reading with errors.
+//! PSDs come first, then the sensors of the other kinds. Only [`Ranges::read`] turns the world into a reading with
+//! errors.
 
 use std::sync::Arc;
 
@@ -108,8 +109,8 @@ impl Ranges {
         world.caster_near(motion.id(), at, count, motion.pose(at).position, reach)
     }
 
-    /// Reading of sensor `index` at the instant of `caster`, with the servo angles just before it; no return if the sensor
-    /// does not exist.
+    /// Reading of sensor `index` at the instant of `caster`, with the servo angles just before it; no return if the
+    /// sensor does not exist.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, caster: &RayCaster) -> Reading {
         let at = caster.at();
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };

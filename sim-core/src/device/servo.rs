@@ -58,7 +58,8 @@ impl Servos {
 
 /// Steering angle as a fraction of the maximum, left positive: position 0 gives 1, 127 and 128 give 0, 255 gives -1.
 ///
-/// Source: straight is 127 in RoBIOS 6 and 128 in EyeSim VR; here both are straight, so that left and right are symmetric.
+/// Source: straight is 127 in RoBIOS 6 and 128 in EyeSim VR; here both are straight, so that left and right are
+/// symmetric.
 pub fn steering_from_position(position: u8) -> f64 {
     let position = f64::from(position);
     if position <= 127.0 { (127.0 - position) / 127.0 } else { (128.0 - position) / 127.0 }

@@ -620,8 +620,8 @@ impl Motion {
         Some(plan)
     }
 
-    /// Address ranges of the heap memory that commands and queries access: the heads of the earlier stages, the last stage
-    /// and, in most cases, the place of the next one.
+    /// Address ranges of the heap memory that commands and queries access: the heads of the earlier stages, the last
+    /// stage and, in most cases, the place of the next one.
     pub(crate) fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
         let earlier = self.stages.len() - 1;
         self.stages.iter().enumerate().map(move |(index, stage)| {

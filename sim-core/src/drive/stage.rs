@@ -24,7 +24,8 @@ use crate::{
 
 /// A piece of motion, with the data from which the next stage is computed.
 ///
-/// The fields are laid out in this order, so that the search for a stage and its path at an instant read few cache lines.
+/// The fields are laid out in this order, so that the search for a stage and its path at an instant read few cache
+/// lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Stage {

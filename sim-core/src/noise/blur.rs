@@ -3,14 +3,14 @@
 /// Standard deviation in pixels below which the blur changes no pixel.
 const MIN_SIGMA: f64 = 1e-3;
 
-/// Filter weights from the central pixel to one side. The weights of the whole filter, both sides and the centre, sum to 1.
+/// Filter weights from the central pixel to one side. The weights of the whole filter, both sides and the centre, sum
+/// to 1.
 ///
-/// The weight at a distance of n pixels is exp(-t) I_n(t), where t = `sigma`^2 and I_n is the modified Bessel function of the first
-/// kind.
-/// This is the discrete analogue of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`, and blurring twice
-/// adds variances; a sampled Gaussian has neither property for a `sigma` below one pixel. The filter ends four standard
-/// deviations and one pixel from its centre. I_n is computed by Miller's backward recurrence. Source: Lindeberg 1990,
-/// "Scale-space for discrete signals".
+/// The weight at a distance of n pixels is exp(-t) I_n(t), where t = `sigma`^2 and I_n is the modified Bessel function
+/// of the first kind. This is the discrete analogue of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`,
+/// and blurring twice adds variances; a sampled Gaussian has neither property for a `sigma` below one pixel. The filter
+/// ends four standard deviations and one pixel from its centre. I_n is computed by Miller's backward recurrence.
+/// Source: Lindeberg 1990, "Scale-space for discrete signals".
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;
@@ -29,10 +29,11 @@ fn weights(sigma: f64) -> Vec<f32> {
     bessel.into_iter().map(|value| (value / sum) as f32).collect()
 }
 
-/// Blurs a picture with a Gaussian point spread function of standard deviation `sigma` in pixels. The rows of the picture have `width`
-/// pixels; the picture is mirrored at its borders.
+/// Blurs a picture with a Gaussian point spread function of standard deviation `sigma` in pixels. The rows of the
+/// picture have `width` pixels; the picture is mirrored at its borders.
 ///
-/// Filters rows, then columns, in single precision, and rounds the result to whole levels. A picture of one colour is unchanged.
+/// Filters rows, then columns, in single precision, and rounds the result to whole levels. A picture of one colour is
+/// unchanged.
 ///
 /// # Panics
 /// If the number of pixels is not a multiple of `width`.
@@ -59,7 +60,8 @@ pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; 
     }
 }
 
-/// Weighted sum of the levels around the pixel `pixel` of a row or column; `level` takes an index from the start of the margin.
+/// Weighted sum of the levels around the pixel `pixel` of a row or column; `level` takes an index from the start of the
+/// margin.
 fn filtered<const CHANNELS: usize>(
     weights: &[f32],
     pixel: usize,

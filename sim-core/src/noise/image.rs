@@ -46,8 +46,8 @@ impl ImageErrors {
         Self { model, row_streams: EventStreams::new(seed, robot, Purpose::Image, device) }
     }
 
-    /// Changes an exact picture to the camera's image number `frame`: blurs it, then adds the errors of each row. Rows have `width` pixels,
-    /// the top row first.
+    /// Changes an exact picture to the camera's image number `frame`: blurs it, then adds the errors of each row. Rows
+    /// have `width` pixels, the top row first.
     ///
     /// # Panics
     /// If the number of pixels is not a multiple of `width`, or there are more than 65536 rows.

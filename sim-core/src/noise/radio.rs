@@ -22,8 +22,8 @@ impl RadioNoise {
 
     /// Inverts random bits of `payload`; returns their number, or `None` if the message is lost.
     ///
-    /// The random numbers come from `stream`: first, in any case, one for the loss, then one for each gap between bit errors. So a change
-    /// of P_p does not move the bit errors.
+    /// The random numbers come from `stream`: first, in any case, one for the loss, then one for each gap between bit
+    /// errors. So a change of P_p does not move the bit errors.
     pub fn garble(&self, stream: &mut Stream, payload: &mut [u8]) -> Option<u32> {
         if stream.unit() < self.packet_loss {
             return None;
@@ -42,7 +42,8 @@ impl RadioNoise {
         Some(errors)
     }
 
-    /// -ln of the probability that a frame of `bits` bits arrives without loss and bit error; infinite if that probability is 0.
+    /// -ln of the probability that a frame of `bits` bits arrives without loss and bit error; infinite if that
+    /// probability is 0.
     pub fn hazard(&self, bits: u32) -> f64 {
         let without_bit_error =
             if self.bit_error_rate > 0.0 { f64::from(bits) * ln_1p(-self.bit_error_rate) } else { 0.0 };
@@ -74,8 +75,8 @@ mod tests {
     use crate::RobotId;
     use crate::noise::Purpose;
 
-    /// Fraction of the cells for which at least `count` correct bits come before an error. Gaps decrease with the cell, so bisection finds
-    /// the boundary.
+    /// Fraction of the cells for which at least `count` correct bits come before an error. Gaps decrease with the cell,
+    /// so bisection finds the boundary.
     fn fraction_with_gap(count: u64, ln_correct: f64) -> f64 {
         let (mut low, mut high) = (0, 1_u64 << 52);
         while low < high {
@@ -92,7 +93,8 @@ mod tests {
             let mut expected = 1.0;
             for count in 0..64 {
                 let found = fraction_with_gap(count, ln_correct);
-                // The boundary lies within one cell; logarithm, quotient and product have rounding errors of some units in the last place.
+                // The boundary lies within one cell; logarithm, quotient and product have rounding errors of some units
+                // in the last place.
                 assert!((found - expected).abs() < 64.0 / CELLS, "{count} right bits at {p}: {found} {expected}");
                 expected *= 1.0 - p;
             }
@@ -107,8 +109,8 @@ mod tests {
             let gap_probability =
                 |gap: u64| fraction_with_gap(gap, ln_correct) - fraction_with_gap(gap + 1, ln_correct);
             for pattern in 0_u64..1 << BITS {
-                // The algorithm under test skips from error to error: one gap before each error, and a last gap that ends
-                // beyond the message.
+                // The algorithm under test skips from error to error: one gap before each error, and a last gap that
+                // ends beyond the message.
                 let (mut skipping, mut next) = (1.0, 0);
                 for bit in (0..BITS).filter(|bit| pattern >> bit & 1 == 1) {
                     skipping *= gap_probability(bit - next);

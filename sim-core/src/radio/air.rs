@@ -27,8 +27,8 @@ impl Transmission {
         self.message.from == off.robot && self.message.sequence <= off.last_sequence && self.begins > off.at
     }
 
-    /// Returns true if this transmission interferes with others at `receiver`: `receiver` sends this transmission or can
-    /// hear it.
+    /// Returns true if this transmission interferes with others at `receiver`: `receiver` sends this transmission or
+    /// can hear it.
     fn is_heard_by(&self, receiver: RobotId) -> bool {
         let is_out_of_reach = || self.message.out_of_reach.binary_search_by_key(&receiver, |(robot, _)| *robot).is_ok();
         self.message.from == receiver || !is_out_of_reach()

@@ -110,8 +110,8 @@ impl Channel {
         self.has_changed |= self.model.medium == Medium::TokenRing;
     }
 
-    /// Silences the radio of `robot` or ends its silence, for messages that are decided from the end of the present slot on. A silenced
-    /// radio still occupies the medium, but its messages are lost.
+    /// Silences the radio of `robot` or ends its silence, for messages that are decided from the end of the present
+    /// slot on. A silenced radio still occupies the medium, but its messages are lost.
     pub fn set_silent(&mut self, robot: RobotId, is_silent: bool) {
         if is_silent {
             self.silent.insert(robot);
@@ -120,8 +120,8 @@ impl Channel {
         }
     }
 
-    /// Takes the messages queued in the slot that ends at `slot_end`, in any order, and returns the deliveries decided by `slot_end`,
-    /// sorted by (visible, receiver, arrives, sender, sequence).
+    /// Takes the messages queued in the slot that ends at `slot_end`, in any order, and returns the deliveries decided
+    /// by `slot_end`, sorted by (visible, receiver, arrives, sender, sequence).
     pub fn exchange(&mut self, slot_end: Time, mut messages: Vec<OutgoingMessage>) -> Vec<Delivery> {
         messages.sort_unstable_by_key(|message| (message.from, message.sequence));
         let mut deliveries = self.send(slot_end, messages);
@@ -135,8 +135,8 @@ impl Channel {
         deliveries
     }
 
-    /// Next time at which the channel must decide an outcome even if no message is queued; the slot that contains this instant
-    /// must be run. [`Time::NEVER`] if there is nothing to decide, [`Time::ZERO`] after a station was switched.
+    /// Next time at which the channel must decide an outcome even if no message is queued; the slot that contains this
+    /// instant must be run. [`Time::NEVER`] if there is nothing to decide, [`Time::ZERO`] after a station was switched.
     pub fn due(&self) -> Time {
         if self.has_changed { Time::ZERO } else { self.due }
     }
@@ -156,8 +156,8 @@ impl Channel {
         transmissions.iter().map(end_loss).collect()
     }
 
-    /// Removes and returns the messages that a token ring has transmitted since the last call, as (sender, sequence), for
-    /// [`super::Station::release`]. Stations on the other media know the end of each transmission without a report.
+    /// Removes and returns the messages that a token ring has transmitted since the last call, as (sender, sequence),
+    /// for [`super::Station::release`]. Stations on the other media know the end of each transmission without a report.
     pub fn take_transmitted(&mut self) -> Vec<(RobotId, u64)> {
         std::mem::take(&mut self.transmitted)
     }

@@ -1,8 +1,8 @@
 //! Messages between robots: the channel that carries them, and the station of each robot.
 //!
-//! Within a simulation slot a robot sends and receives only through its own [`Station`]. At the slot's end the [`Channel`] takes
-//! the sent messages. It decides for each message and station whether and when the message is received, and with which
-//! bit errors; the result is a [`Delivery`].
+//! Within a simulation slot a robot sends and receives only through its own [`Station`]. At the slot's end the
+//! [`Channel`] takes the sent messages. It decides for each message and station whether and when the message is
+//! received, and with which bit errors; the result is a [`Delivery`].
 //!
 //! Source: Koestler & Bräunl, sections 5.1 and 6.2. The timing rules are our choice: see docs/radio.md.
 
@@ -38,7 +38,8 @@ pub enum Medium {
 pub struct RadioModel {
     /// Medium access.
     pub medium: Medium,
-    /// Bits per second, [`BITS_PER_BYTE`] for each byte; positive. A RoBIOS 6 program may set another speed for its station.
+    /// Bits per second, [`BITS_PER_BYTE`] for each byte; positive. A RoBIOS 6 program may set another speed for its
+    /// station.
     pub baud: u32,
     /// Time from the end of a transmission to its arrival; not negative.
     pub latency: Time,
@@ -94,7 +95,8 @@ pub struct OutgoingMessage {
     pub payload: Vec<u8>,
     /// Time when the program queued the message: the end of the call.
     pub queued_at: Time,
-    /// Start of the transmission, after the earlier messages of the station; `None` in a token ring, which decides it later.
+    /// Start of the transmission, after the earlier messages of the station; `None` in a token ring, which decides it
+    /// later.
     pub begins: Option<Time>,
     /// Speed of the sender's station, baud.
     pub baud: u32,

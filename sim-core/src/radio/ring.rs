@@ -120,8 +120,8 @@ impl Ring {
         started
     }
 
-    /// End of the next transmission if no other message is queued before; [`Time::NEVER`] if no message is queued. Every
-    /// queued message must be transmitted at some time ([`Ring::take_untransmitted`]).
+    /// End of the next transmission if no other message is queued before; [`Time::NEVER`] if no message is queued.
+    /// Every queued message must be transmitted at some time ([`Ring::take_untransmitted`]).
     pub fn next_end(&self) -> Time {
         let Some(mut token) = self.token.filter(|_| !self.queues.is_empty()) else { return Time::NEVER };
         self.go_round(&mut token, Time::NEVER);
@@ -175,8 +175,8 @@ impl Ring {
         untransmitted
     }
 
-    /// Passes the token on until a holder has a message to send or `time` is reached. If `time` is [`Time::NEVER`], each
-    /// queued message must have a member of the ring as its sender and no time limit, or the loop does not end.
+    /// Passes the token on until a holder has a message to send or `time` is reached. If `time` is [`Time::NEVER`],
+    /// each queued message must have a member of the ring as its sender and no time limit, or the loop does not end.
     fn go_round(&self, token: &mut Token, time: Time) {
         let mut earliest_message = None;
         while token.at < time && self.next_message(self.stations[token.holder_index].robot, token.at).is_none() {

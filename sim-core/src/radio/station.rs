@@ -106,7 +106,8 @@ impl Station {
         self.in_transit.drain(..).map(lose).collect()
     }
 
-    /// The later of `now` and the start of the last buffered message's transmission; `now` in a token ring, which decides this start later.
+    /// The later of `now` and the start of the last buffered message's transmission; `now` in a token ring, which
+    /// decides this start later.
     pub fn last_start(&self, now: Time) -> Time {
         self.send_buffer.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }
@@ -117,8 +118,8 @@ impl Station {
         self.send_buffer.iter().filter(|it| !self.is_transmitted(it, now)).count()
     }
 
-    /// Returns true if the message is transmitted even if the station is switched off at `now`: its transmission has begun, or a free
-    /// medium has taken it.
+    /// Returns true if the message is transmitted even if the station is switched off at `now`: its transmission has
+    /// begun, or a free medium has taken it.
     fn is_transmitted(&self, message: &BufferedMessage, now: Time) -> bool {
         let first_untaken = self.untaken.first().map_or(u64::MAX, |message| message.sequence);
         let is_taken = self.medium == Medium::Free && message.sequence < first_untaken;

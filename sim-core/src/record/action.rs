@@ -114,7 +114,8 @@ pub enum Action {
         /// True to repeat the reading.
         on: bool,
     },
-    /// Silences a robot's radio, so that it receives nothing and no other robot receives its messages, or ends the silence.
+    /// Silences a robot's radio, so that it receives nothing and no other robot receives its messages, or ends the
+    /// silence.
     SwitchRadio {
         /// Number of the robot.
         robot: u32,

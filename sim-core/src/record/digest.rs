@@ -1,14 +1,14 @@
 //! Digest of a run: a hash over the canonical bytes of its events.
 //!
 //! The digest after a slot is BLAKE3 of the run's bytes up to the end of this slot. These bytes are a head (name of the
-//! construction, seed, slot length), and for each slot with events the blocks of the robots that recorded an event, in order
-//! of the ids (id, number of bytes, canonical bytes of the events), followed by the end of the slot. Slots and robots without
-//! events add no bytes; they only affect the times of later events. The digest of a run is the digest after its last slot, so
-//! it equals the last slot line of the trace.
+//! construction, seed, slot length), and for each slot with events the blocks of the robots that recorded an event, in
+//! order of the ids (id, number of bytes, canonical bytes of the events), followed by the end of the slot. Slots and
+//! robots without events add no bytes; they only affect the times of later events. The digest of a run is the digest
+//! after its last slot, so it equals the last slot line of the trace.
 //!
 //! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers as their bits. Notes, wall
-//! time and the order of threads are excluded. The construction is our choice: one long message is hashed in parallel (SIMD),
-//! the events of many slots at once.
+//! time and the order of threads are excluded. The construction is our choice: one long message is hashed in parallel
+//! (SIMD), the events of many slots at once.
 
 use std::fmt;
 
@@ -92,7 +92,8 @@ impl RunDigest {
         digest
     }
 
-    /// Adds the canonical bytes of the events that a robot recorded in this slot. Must be called in the order of the robots' ids.
+    /// Adds the canonical bytes of the events that a robot recorded in this slot. Must be called in the order of the
+    /// robots' ids.
     pub fn add(&mut self, robot: RobotId, events: &[u8]) {
         self.append(&robot.0.to_le_bytes());
         self.append(&(events.len() as u64).to_le_bytes());

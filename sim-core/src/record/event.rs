@@ -365,7 +365,8 @@ events! {
     Signal = "signal" {
         /// Name of the sensor.
         device: &'a str,
-        /// Signal in the sensor's unit: 1/m for a reflectance sensor; for a sonar, relative to the echo of a perfect reflector at 1 m.
+        /// Signal in the sensor's unit: 1/m for a reflectance sensor; for a sonar, relative to the echo of a perfect
+        /// reflector at 1 m.
         signal: f64,
         /// Time of the measurement, s.
         measured_s: f64,
@@ -567,8 +568,8 @@ events! {
 }
 
 impl Kind {
-    /// Returns true for a note: an event that may differ between equal runs (source paths, thread numbers in a panic's message, calls
-    /// recorded on request). Notes have no sequence number and are not part of the digest.
+    /// Returns true for a note: an event that may differ between equal runs (source paths, thread numbers in a panic's
+    /// message, calls recorded on request). Notes have no sequence number and are not part of the digest.
     pub fn is_note(self) -> bool {
         matches!(self, Self::Stderr | Self::Fault | Self::Reason | Self::Hint | Self::Call)
     }

@@ -29,8 +29,8 @@ struct MergedEntry {
 }
 
 impl Recorder {
-    /// Recorder of a run with `seed` and slots of length `slot`, before the first slot. The observer gets the events of the kinds in
-    /// `interest`.
+    /// Recorder of a run with `seed` and slots of length `slot`, before the first slot. The observer gets the events of
+    /// the kinds in `interest`.
     pub fn new(seed: u64, slot: Time, interest: KindSet) -> Self {
         Self { digest: RunDigest::new(seed, slot), interest, collected: Vec::new(), used: 0, order: Vec::new() }
     }
@@ -40,8 +40,8 @@ impl Recorder {
         self.interest = interest;
     }
 
-    /// Takes the events of `journal` in this slot and begins the journal's next slot. Must be called in the order of the robots' ids;
-    /// robots without events may be skipped.
+    /// Takes the events of `journal` in this slot and begins the journal's next slot. Must be called in the order of
+    /// the robots' ids; robots without events may be skipped.
     pub fn collect(&mut self, journal: &mut Journal) {
         if journal.is_empty() {
             return;
@@ -69,8 +69,8 @@ impl Recorder {
         self.used += 1;
     }
 
-    /// Ends the slot: passes the collected events of interest to `observe`, in order of (virtual time, robot, sequence). Returns true
-    /// if the slot has changed the digest.
+    /// Ends the slot: passes the collected events of interest to `observe`, in order of (virtual time, robot,
+    /// sequence). Returns true if the slot has changed the digest.
     ///
     /// # Errors
     /// The first error of `observe`, which then does not get the remaining events of the slot.
@@ -86,7 +86,8 @@ impl Recorder {
         Ok(has_changed)
     }
 
-    /// Digest of the run up to the last ended slot. Must not be called between [`Self::collect`] and [`Self::end_slot`].
+    /// Digest of the run up to the last ended slot. Must not be called between [`Self::collect`] and
+    /// [`Self::end_slot`].
     pub fn digest(&self) -> Digest {
         self.digest.value()
     }

@@ -1,7 +1,7 @@
 use glam::DVec2;
 
-/// Component of a ray's direction below which the ray is treated as parallel to the other axis, because the reciprocal of
-/// a smaller component would overflow in products.
+/// Component of a ray's direction below which the ray is treated as parallel to the other axis, because the reciprocal
+/// of a smaller component would overflow in products.
 pub(super) const PARALLEL: f64 = 1e-150;
 
 /// An axis-parallel rectangle, borders included, in metres in the world frame.
@@ -54,8 +54,8 @@ impl Bounds {
         self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
     }
 
-    /// Part of a ray inside the rectangle, as minimum and maximum distance from the origin; `None` if the ray misses the
-    /// rectangle. `direction` is a unit vector.
+    /// Part of a ray inside the rectangle, as minimum and maximum distance from the origin; `None` if the ray misses
+    /// the rectangle. `direction` is a unit vector.
     #[inline]
     pub(super) fn clip(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<(f64, f64)> {
         let mut interval = (0.0_f64, range);

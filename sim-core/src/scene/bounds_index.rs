@@ -8,8 +8,8 @@ use super::Bounds;
 use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_margin};
 use super::nearby::{Nearby, Rectangle};
 
-/// Maximum number of bodies that [`BoundsIndex::add_to`] tests: with one large body, the middles of many others are within
-/// its size. Our choice.
+/// Maximum number of bodies that [`BoundsIndex::add_to`] tests: with one large body, the middles of many others are
+/// within its size. Our choice.
 const MAX_SCANNED: usize = 256;
 
 /// Maximum extent of an index, m, for [`BoundsIndex::add_to`]; far below the largest `f32`. Our choice.
@@ -99,8 +99,8 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         self.bodies.is_empty()
     }
 
-    /// Visits each body whose rectangle a ray meets within `range` metres, once and approximately in the order along the
-    /// ray. `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
+    /// Visits each body whose rectangle a ray meets within `range` metres, once and approximately in the order along
+    /// the ray. `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
     ///
     /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
@@ -143,8 +143,8 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Adds the bodies that a ray in the circle of `nearby` may meet. Returns false, with an incomplete list, if the bodies
-    /// near the circle are too many, or the index is too large for single precision.
+    /// Adds the bodies that a ray in the circle of `nearby` may meet. Returns false, with an incomplete list, if the
+    /// bodies near the circle are too many, or the index is too large for single precision.
     pub fn add_to(&self, nearby: &mut Nearby<K>) -> bool {
         let Some(grid) = &self.grid else { return true };
         let (square, margin) = (nearby.square(), 2.0 * self.margin);

@@ -119,8 +119,8 @@ impl Grid {
     /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `direction` has length 1;
     /// all arguments except `range` are finite.
     ///
-    /// Distances to the cell borders are not summed but computed anew at each step. So every visited cell is at most a few
-    /// units in the last place of the ray's coordinates away from the ray, for any number of cells.
+    /// Distances to the cell borders are not summed but computed anew at each step. So every visited cell is at most a
+    /// few units in the last place of the ray's coordinates away from the ray, for any number of cells.
     #[inline]
     pub fn walk(
         &self,
@@ -190,8 +190,8 @@ impl CellVisit<'_> {
 
 /// Crossings of a ray with the cell borders of one axis.
 struct Axis {
-    /// Distance at which the ray leaves column or row 0: at its upper border, or at its lower border if the ray runs in the
-    /// negative direction of the axis.
+    /// Distance at which the ray leaves column or row 0: at its upper border, or at its lower border if the ray runs in
+    /// the negative direction of the axis.
     first_exit: f64,
     /// Distance along the ray between successive borders; negative for the negative direction.
     border_spacing: f64,

@@ -271,8 +271,8 @@ impl HeightField {
     }
 }
 
-/// Position of a coordinate among the grid lines of an axis: one position, or the two sides of a step. A position is the
-/// index of a grid line and the fraction of the cell that begins there.
+/// Position of a coordinate among the grid lines of an axis: one position, or the two sides of a step. A position is
+/// the index of a grid line and the fraction of the cell that begins there.
 struct AxisPosition {
     first: (usize, f64),
     second: Option<(usize, f64)>,

@@ -1,5 +1,5 @@
-//! Triangle meshes with materials: the appearance of bodies. [`MeshIndex`](super::MeshIndex) finds the triangles that rays
-//! hit.
+//! Triangle meshes with materials: the appearance of bodies. [`MeshIndex`](super::MeshIndex) finds the triangles that
+//! rays hit.
 
 use glam::{DVec3, Vec2, Vec3};
 

@@ -79,8 +79,8 @@ impl<K: Copy> Nearby<K> {
         f64::from(*slack)
     }
 
-    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. It returns false if
-    /// there are too many.
+    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. It returns false
+    /// if there are too many.
     pub(super) fn adder(&mut self, origin: DVec2) -> impl FnMut(K, &Rectangle) -> bool {
         let shift = (origin - self.centre).as_vec2();
         let Rectangles { slack, x, y, half_x, half_y } = &mut self.rectangles;
@@ -93,7 +93,8 @@ impl<K: Copy> Nearby<K> {
             (x[index], y[index]) = (middle.x, middle.y);
             (half_x[index], half_y[index]) = (half.x, half.y);
             keys[index] = key;
-            // A rectangle outside the circle is overwritten by the next one, or tested in vain: no branch could be predicted.
+            // A rectangle outside the circle is overwritten by the next one, or tested in vain: no branch could be
+            // predicted.
             let distance = limit + half.x + half.y;
             *len += usize::from(middle.length_squared() <= distance * distance);
             true

@@ -28,11 +28,11 @@ const MIN_ASPECT: f64 = 0.6;
 ///
 /// The relief is gradient noise of up to four octaves, shifted and scaled to heights from `base` to
 /// `base + relief_height`. Boulders (domes with elliptical outlines) lie on the relief. All random numbers come from
-/// streams keyed by seed and purpose, so that more boulders do not change any other number. The terrain is bit-identical
-/// on every machine.
+/// streams keyed by seed and purpose, so that more boulders do not change any other number. The terrain is
+/// bit-identical on every machine.
 ///
-/// Source: Perlin, "Improving noise", SIGGRAPH 2002 (weights of the gradient noise). The directions of the gradients, the
-/// boulders and all other numbers are our choice; Gois and Hiller, section 5, only call their terrains "randomly
+/// Source: Perlin, "Improving noise", SIGGRAPH 2002 (weights of the gradient noise). The directions of the gradients,
+/// the boulders and all other numbers are our choice; Gois and Hiller, section 5, only call their terrains "randomly
 /// generated".
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomTerrain {
@@ -44,7 +44,8 @@ pub struct RandomTerrain {
     pub size: DVec2,
     /// Height of the lowest ground.
     pub base: f64,
-    /// Maximum size of the grid's cells, positive: each side is divided into the smallest possible number of equal cells.
+    /// Maximum size of the grid's cells, positive: each side is divided into the smallest possible number of equal
+    /// cells.
     pub cell: f64,
     /// Height of the smooth relief from its lowest to its highest point; not negative.
     pub relief_height: f64,
@@ -78,8 +79,8 @@ pub struct Disc {
 }
 
 impl RandomTerrain {
-    /// Generates the terrain; also returns the number of omitted boulders, for which no free position was found outside the
-    /// clear discs.
+    /// Generates the terrain; also returns the number of omitted boulders, for which no free position was found outside
+    /// the clear discs.
     ///
     /// # Errors
     /// [`FieldError`] if the size is not positive, or gives too many cells.

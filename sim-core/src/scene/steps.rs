@@ -7,7 +7,8 @@ use super::{Bounds, FieldError, HeightField};
 /// Maximum number of steps of a flight of stairs.
 pub const MAX_STEPS: u32 = 1000;
 
-/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest one is the surface.
+/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest one is the
+/// surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
     /// Corner with the minimum x and y.

@@ -237,8 +237,8 @@ impl Walls {
         Ray { origin, direction, rounding_error, area_rounding_error: area_rounding_error(rounding_error, &bounds) }
     }
 
-    /// Visits each wall that overlaps `bounds` once, in the order of their numbers. May also visit walls of which only the
-    /// bounding rectangle overlaps `bounds`.
+    /// Visits each wall that overlaps `bounds` once, in the order of their numbers. May also visit walls of which only
+    /// the bounding rectangle overlaps `bounds`.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(WallId, &Segment)) {
         let half = 0.5 * (bounds.max - bounds.min);
         let is_clear = half.element_sum() < self.clearance(bounds.min + half);
@@ -270,8 +270,8 @@ fn area_rounding_error(rounding_error: f64, bounds: &Bounds) -> f64 {
 
 /// Chooses the cell size and the margin of the walls.
 ///
-/// Cells are as small as three limits allow, each proportional to the number of walls: the number of cells, the number of
-/// entries (a wall has about one entry more than its extents span cells), and the number of cells along a ray.
+/// Cells are as small as three limits allow, each proportional to the number of walls: the number of cells, the number
+/// of entries (a wall has about one entry more than its extents span cells), and the number of cells along a ray.
 fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
     let count = walls.len() as f64;
     let size = bounds.max - bounds.min;

@@ -1,7 +1,7 @@
 //! Geometry of the sensors on a body: rays, arcs of bumpers, directions of compasses.
 //!
-//! The functions are pure functions of poses and of a [`World`](crate::world::World) at one instant. Sampling periods, unit conversion,
-//! saturation and noise are handled by the [devices](crate::device).
+//! The functions are pure functions of poses and of a [`World`](crate::world::World) at one instant. Sampling periods,
+//! unit conversion, saturation and noise are handled by the [devices](crate::device).
 
 mod bumper;
 mod compass;

@@ -52,8 +52,8 @@ pub struct Posture<'a> {
 /// Reading of a range sensor at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of
-    /// `None`.
+    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance
+    /// instead of `None`.
     pub distance: Option<f64>,
     /// Signal from which the distance was derived. For a reflectance sensor it is in 1/m. For a sonar it is the energy
     /// of the echo, relative to a perfect reflector 1 m ahead. For other sensors it is 1 with an echo and 0 without.
@@ -61,8 +61,8 @@ pub struct Reading {
 }
 
 impl RangeModel {
-    /// Reading of a sensor at `world_from_sensor` of the robot of `caster`, at its instant, with the `noise` N of France et
-    /// al.; N = 0 gives the exact reading.
+    /// Reading of a sensor at `world_from_sensor` of the robot of `caster`, at its instant, with the `noise` N of
+    /// France et al.; N = 0 gives the exact reading.
     ///
     /// The sensor does not detect its own robot. N scales the distance, except for the reflectance sensor, where it
     /// scales the signal; for PSD and sonar this is our choice.

@@ -20,7 +20,8 @@ impl Mount {
         Self { robot_from_sensor: Pose::new(x, y, angle) }
     }
 
-    /// Origin and unit direction, in the world frame, of the line of sight of a sensor on a robot at `world_from_robot`.
+    /// Origin and unit direction, in the world frame, of the line of sight of a sensor on a robot at
+    /// `world_from_robot`.
     pub fn ray(&self, world_from_robot: &Pose) -> (DVec2, DVec2) {
         let forward = world_from_robot.heading.direction();
         let mount = &self.robot_from_sensor;

@@ -123,8 +123,8 @@ impl Scan {
         self.rays.iter().map(measure).collect()
     }
 
-    /// Like [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at its mount.
-    /// [`Ray::new`] constructs the rays, which hit bodies up to their heights.
+    /// Like [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at its
+    /// mount. [`Ray::new`] constructs the rays, which hit bodies up to their heights.
     ///
     /// The fan, tilt included, is fixed in the sensor's frame.
     pub fn distances_from(

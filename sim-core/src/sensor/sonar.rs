@@ -90,8 +90,8 @@ impl Sonar {
     /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight. It is G^2 / d^2 times the
     /// reflectivity times (the diffuse fraction times cos(alpha) plus, at normal incidence, the specular fraction).
     ///
-    /// G is the one-way gain, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an area
-    /// that is larger by a factor (1 + d / r) for each of its principal radii r.
+    /// G is the one-way gain, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an
+    /// area that is larger by a factor (1 + d / r) for each of its principal radii r.
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). From
     /// geometrical acoustics: a wall larger than the beam, specular or rough, returns 1 / d^2; a convex mirror spreads

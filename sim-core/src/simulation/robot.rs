@@ -32,7 +32,8 @@ use super::Placement;
 /// During a slot a robot changes only its own state, at its own virtual time, and reads the world as published at the
 /// start of the slot.
 ///
-/// The fields are laid out in this order: those that the end of each slot and most calls access come first, side by side.
+/// The fields are laid out in this order: those that the end of each slot and most calls access come first, side by
+/// side.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Robot {
@@ -443,7 +444,8 @@ fn measure_set<'a>(
     }
 }
 
-/// Reading of range sensor `index` at the instant of `caster`; a reading without a return if the sensor is switched off.
+/// Reading of range sensor `index` at the instant of `caster`; a reading without a return if the sensor is switched
+/// off.
 fn measure_range(
     (ranges, servos, switches): (&Ranges, &Servos, &Switches),
     motion: &mut Motion,

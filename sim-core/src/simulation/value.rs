@@ -100,8 +100,8 @@ impl Simulation {
         Ok(Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) })
     }
 
-    /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start of its present
-    /// slot. `roster` and `factory` are used to add more robots.
+    /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start
+    /// of its present slot. `roster` and `factory` are used to add more robots.
     pub fn copy_of(environment: &Environment, robots: &[&Robot], roster: &Roster, factory: &RobotFactory) -> Self {
         let robots = robots.iter().map(|robot| (*robot).clone()).collect();
         Self::of(environment.clone(), robots, roster.clone(), factory.clone())

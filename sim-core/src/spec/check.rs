@@ -79,8 +79,8 @@ pub enum CheckKind {
     Laps {
         /// The body whose centre passes.
         body: BodyRef,
-        /// Ends of the gate. A passage from the right to the left of the line from the first end to the second adds 1; an
-        /// opposite passage subtracts 1.
+        /// Ends of the gate. A passage from the right to the left of the line from the first end to the second adds 1;
+        /// an opposite passage subtracts 1.
         gate: [DVec2; 2],
         /// Smallest number of passages.
         min: u64,

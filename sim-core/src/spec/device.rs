@@ -89,12 +89,12 @@ impl Default for RangeSpec {
     }
 }
 
-/// Default horizontal field of view of a camera, in radians: 60 degrees, similar to the EyeCam. Source: our choice, since
-/// robot files do not state it.
+/// Default horizontal field of view of a camera, in radians: 60 degrees, similar to the EyeCam. Source: our choice,
+/// since robot files do not state it.
 pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
-/// Maximum horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all of
-/// the image.
+/// Maximum horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all
+/// of the image.
 pub const MAX_FIELD_OF_VIEW_DEG: f64 = 170.0;
 
 /// Default number of samples per side of a pixel. Source: our choice, see docs/camera.md.

@@ -43,11 +43,11 @@ pub struct GaitSpec {
     pub period: f64,
     /// Duty factor: fraction of the period during which a foot is on the ground.
     pub duty: f64,
-    /// Phase at which each leg lifts off, as a fraction of the period; if empty, the legs lift off evenly, one after the
-    /// other.
+    /// Phase at which each leg lifts off, as a fraction of the period; if empty, the legs lift off evenly, one after
+    /// the other.
     pub offsets: Vec<f64>,
-    /// True for the natural, human-like foot curve of `docs/legged.md`, which requires two legs with feet; false for the plain
-    /// foot curve.
+    /// True for the natural, human-like foot curve of `docs/legged.md`, which requires two legs with feet; false for
+    /// the plain foot curve.
     pub has_natural_curve: bool,
     /// Location in the file.
     pub span: Span,

@@ -1,5 +1,6 @@
-//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. `docs/conventions.md`
-//! defines the frames. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
+//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds.
+//! `docs/conventions.md` defines the frames. `sim-format` reads and prints specs, [`build`](crate::build) turns them
+//! into simulation models.
 //!
 //! Every number in a spec is finite and within its documented range, for any text from which the spec was read.
 

@@ -60,8 +60,8 @@ pub struct ObjectType {
     pub surface: Surface,
     /// Shape for three-dimensional range sensors.
     pub sensor_shape: SensorShape,
-    /// Volume of water that the submerged object displaces, in cubic metres; 0 if it does not float. It has no effect on dry
-    /// land.
+    /// Volume of water that the submerged object displaces, in cubic metres; 0 if it does not float. It has no effect
+    /// on dry land.
     pub displaced_volume: f64,
     /// Height of the object's frame above the floor, in metres: greater than 0 for an object that
     /// [floats](Self::afloat).
@@ -105,8 +105,8 @@ impl ObjectType {
     /// This type floating in still water of depth `depth` (m). `None` if the object does not float: it is fixed, it is
     /// not lighter than the water that it displaces, or the water is too shallow.
     ///
-    /// The submerged fraction of the colliders' height is the object's mass divided by the mass of the displaced volume of
-    /// water: exact for upright prisms, our choice for other shapes.
+    /// The submerged fraction of the colliders' height is the object's mass divided by the mass of the displaced volume
+    /// of water: exact for upright prisms, our choice for other shapes.
     pub fn afloat(&self, depth: f64) -> Option<Self> {
         let submerged = self.mass / (WATER_DENSITY * self.displaced_volume);
         if self.is_fixed || submerged >= 1.0 {

@@ -19,7 +19,8 @@ pub const DEFAULT_ROBOT_MASS: f64 = 1.0;
 /// Default coefficient of friction between wheels and floor: rubber on a hard floor. Source: our choice.
 pub const DEFAULT_TRACTION: f64 = 0.6;
 
-/// Default coefficient of friction between body and walls: plastic on painted wood, as between objects. Source: our choice.
+/// Default coefficient of friction between body and walls: plastic on painted wood, as between objects. Source: our
+/// choice.
 pub const DEFAULT_BODY_FRICTION: f64 = 0.3;
 
 /// Default diameter of the body, in metres. With the other defaults: a small robot with two wheels.
@@ -168,7 +169,8 @@ pub struct RobiSpec {
     pub lcd: LcdSpec,
     /// Readings of unconnected inputs.
     pub inputs: InputSpec,
-    /// Connections of the serial interfaces, in order of their numbers; interfaces that are not listed are not connected.
+    /// Connections of the serial interfaces, in order of their numbers; interfaces that are not listed are not
+    /// connected.
     pub serials: Vec<SerialSpec>,
     /// Further entries of the hardware description table: (name of a device, number by which programs address it), in
     /// order of the names. They take precedence over `hdt_sem.h`.

@@ -434,8 +434,8 @@ pub struct SimSpec {
     pub robots: Vec<RobotLine>,
     /// Objects of built-in types, and of types whose file is named in the object's own line, in the order of the file.
     pub objects: Vec<ObjectLine>,
-    /// Robots and objects of types that other lines load, in the order of the file. The type's file determines whether a line
-    /// places a robot or an object.
+    /// Robots and objects of types that other lines load, in the order of the file. The type's file determines whether
+    /// a line places a robot or an object.
     pub named: Vec<RobotLine>,
     /// Markers in the order of the file.
     pub markers: Vec<MarkerSpec>,
@@ -472,8 +472,8 @@ pub struct RobotSpec {
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not state it.
     pub api: Option<u32>,
-    /// Noise profile of devices and drive: that of the robot's line, otherwise that of the scene. A profile in a file has been
-    /// read.
+    /// Noise profile of devices and drive: that of the robot's line, otherwise that of the scene. A profile in a file
+    /// has been read.
     pub noise: Option<NoiseRef>,
     /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for
     /// lines of EyeSim VR. In our own format, it is the generation of the scene's dialect.

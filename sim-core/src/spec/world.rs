@@ -62,7 +62,8 @@ pub struct WorldSpec {
     /// True if the image is turned by 180 degrees, so that its upper left pixel lies at (width, 0), as in worlds of
     /// EyeSim VR.
     pub texture_is_turned: bool,
-    /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
+    /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are
+    /// rough.
     pub surface: Option<Surface>,
     /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it, but wheels drive on the plane.
     pub terrain: Option<TerrainSpec>,

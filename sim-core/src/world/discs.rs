@@ -1,5 +1,6 @@
 //! Cache of the robots' discs at the instant of the last query. All sensors of a robot and of its neighbours usually
-//! measure at the same instant, and a disc is then computed once and found in a few bytes, far from the rest of its robot.
+//! measure at the same instant, and a disc is then computed once and found in a few bytes, far from the rest of its
+//! robot.
 
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 

@@ -1,7 +1,8 @@
 //! Forms: schemas of the tables in our own TOML files.
 //!
-//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the declarations: one
-//! reads a table, one prints it, and one describes it in the JSON schema. [`kind`] defines the kinds of values.
+//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the
+//! declarations: one reads a table, one prints it, and one describes it in the JSON schema. [`kind`] defines the kinds
+//! of values.
 
 pub(crate) mod check;
 pub(crate) mod device;
@@ -113,7 +114,8 @@ impl Description {
     }
 }
 
-/// A key that is being declared. The last method of the chain takes the kind of its values and the variable for the value.
+/// A key that is being declared. The last method of the chain takes the kind of its values and the variable for the
+/// value.
 pub(crate) struct Key<'w, 'k> {
     keys: &'w mut Keys<'k>,
     name: &'static str,
@@ -149,7 +151,8 @@ impl<'k> Keys<'k> {
         Key { keys: self, name, about }
     }
 
-    /// Declares the key `kind`, which sets `form` to its variant. Returns false if the caller must not declare further keys.
+    /// Declares the key `kind`, which sets `form` to its variant. Returns false if the caller must not declare further
+    /// keys.
     pub(crate) fn variant<F: Variants>(&mut self, form: &mut F) -> bool {
         let word = |form: &F| F::VARIANTS[form.variant_index()].0;
         match &mut self.pass {

@@ -319,7 +319,8 @@ impl Reader {
         }
     }
 
-    /// Appends the files to `files` and returns the inline types; reports and drops a type with the name of an earlier type.
+    /// Appends the files to `files` and returns the inline types; reports and drops a type with the name of an earlier
+    /// type.
     fn split_types<F>(
         &mut self,
         types: Vec<TypeEntry<F>>,

@@ -54,9 +54,10 @@ impl Grid {
 
     /// The world with walls around all free cells: robots cannot enter other cells, and the border is closed.
     ///
-    /// Walls have thickness 0 and are as long as possible; free cells lie on the left of a wall, seen from its first end. The world has its
-    /// origin at the lower left corner of the rectangle around the grid, whose axes may be turned. Also returns the position of the origin
-    /// of the grid's frame in the world. `None` if there would be more than [`MAX_WALLS`] walls.
+    /// Walls have thickness 0 and are as long as possible; free cells lie on the left of a wall, seen from its first
+    /// end. The world has its origin at the lower left corner of the rectangle around the grid, whose axes may be
+    /// turned. Also returns the position of the origin of the grid's frame in the world. `None` if there would be more
+    /// than [`MAX_WALLS`] walls.
     pub(crate) fn world(&self, file: &str) -> Option<(WorldSpec, DVec2)> {
         let [columns, rows] = self.size.map(|side| side as f64 * self.cell);
         let rotation = Pose { position: DVec2::ZERO, heading: self.origin.heading };
@@ -102,8 +103,8 @@ impl Grid {
         vertical.chain(horizontal)
     }
 
-    /// The grid of a world, with cells of side `cell`. It covers the floor, and one row or column more where walls are on
-    /// the edge of the floor.
+    /// The grid of a world, with cells of side `cell`. It covers the floor, and one row or column more where walls are
+    /// on the edge of the floor.
     ///
     /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the cell
     /// that cannot be reached; if this does not decide, the wall fills the cell on its right, seen from its first end.

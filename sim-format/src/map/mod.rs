@@ -1,7 +1,8 @@
-//! World files of every kind: detects the kind of a file by extension and content, and reads maps of other programs as worlds.
+//! World files of every kind: detects the kind of a file by extension and content, and reads maps of other programs as
+//! worlds.
 //!
-//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` reads
-//! EyeSim's worlds.
+//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes,
+//! `world` reads EyeSim's worlds.
 
 mod grid;
 mod movingai;
@@ -220,7 +221,8 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
     }
 }
 
-/// Reads the scenarios of a `.scen` and compares their lengths with the shortest paths on their maps. The scene of the result is empty.
+/// Reads the scenarios of a `.scen` and compares their lengths with the shortest paths on their maps. The scene of the
+/// result is empty.
 pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) {
     let mut loader = Loader::new(files);
     let scene = SceneSpec { file: file.to_owned(), ..SceneSpec::default() };

@@ -215,7 +215,8 @@ fn unquoted(word: Word<'_>) -> Word<'_> {
     Word { text: unquoted_text.unwrap_or(word.text), ..word }
 }
 
-/// The values of a line that begin at the byte `from` or after it: a single value, or the values of a list between brackets.
+/// The values of a line that begin at the byte `from` or after it: a single value, or the values of a list between
+/// brackets.
 fn scalars<'t>(line: &Line<'t>, content: &'t str, from: usize) -> Vec<Word<'t>> {
     let rest = &content[from..];
     let is_list = rest.contains(['[', ']', ',']) && !rest.trim_start().starts_with(['"', '\'']);
@@ -289,7 +290,8 @@ impl<'t> Values<'t, '_> {
         Some(SpannedText { text: word.text.to_owned(), span: word.span })
     }
 
-    /// The number of a key. If the key is missing, returns `default` and reports a warning, or an error without a default.
+    /// The number of a key. If the key is missing, returns `default` and reports a warning, or an error without a
+    /// default.
     fn number(&mut self, key: &str, quantity: Quantity, default: Option<f64>) -> Option<f64> {
         let expected = quantity.expected();
         if !self.entries.contains_key(key) {

@@ -1,7 +1,7 @@
 //! Binary mazes of micro-mouse contests: a byte for each cell.
 //!
-//! Source: the collections of micromouseonline.com and of D. Otten's and D. Woodfield's maze editors: cells by columns from the south-west
-//! corner, upwards; bit 0 north, bit 1 east, bit 2 south, bit 3 west.
+//! Source: the collections of micromouseonline.com and of D. Otten's and D. Woodfield's maze editors: cells by columns
+//! from the south-west corner, upwards; bit 0 north, bit 1 east, bit 2 south, bit 3 west.
 
 use super::cells::{CellWalls, StartAndGoals, add_start};
 use super::{ContestMaze, Drawing};

@@ -57,7 +57,8 @@ impl CellWalls {
             .all(|cell| (0..4).all(|side| self.neighbour(cell, side).is_some() || self.walls_of(cell) >> side & 1 == 1))
     }
 
-    /// Reports walls that the file states for only one of their two cells; `place` returns the location of a cell in the file.
+    /// Reports walls that the file states for only one of their two cells; `place` returns the location of a cell in
+    /// the file.
     pub(super) fn check_shared(&self, sink: &mut Sink, place: impl Fn([usize; 2]) -> (Span, String)) {
         let count = self.one_sided_walls().count();
         let Some((cell, side, next)) = self.one_sided_walls().next() else { return };

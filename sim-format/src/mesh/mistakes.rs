@@ -4,8 +4,8 @@ use crate::diagnostic::{Diagnostic, Sink};
 use crate::line::Line;
 use crate::{Code, Span};
 
-/// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported, with the number of
-/// further ones.
+/// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported,
+/// with the number of further ones.
 pub(super) struct Mistakes {
     file: String,
     kinds: Vec<MistakeKind>,

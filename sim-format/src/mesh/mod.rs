@@ -238,7 +238,8 @@ impl Placement {
         let rotation = DMat3::from_rotation_y(model.rotations.y)
             * DMat3::from_rotation_x(model.rotations.x)
             * DMat3::from_rotation_z(model.rotations.z);
-        // Columns: the graphics axes X (right), Y (up), Z (forward) in the body frame; then the file's axes in the graphics frame.
+        // Columns: the graphics axes X (right), Y (up), Z (forward) in the body frame; then the file's axes in the
+        // graphics frame.
         let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
         let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         Self { rotation: body_from_graphics * rotation * graphics_from_file, scale, offset: model.offset }

@@ -1,4 +1,5 @@
-//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Other lines do not describe triangles and are ignored.
+//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Other lines do not describe triangles and are
+//! ignored.
 //!
 //! The tests compare this reader with the crate `tobj` 4 on valid files. This crate does not use `tobj`, for these
 //! reasons: `Kd` with one number makes it panic; out-of-range indices of `vt` overflow; an object with some corners
@@ -33,7 +34,8 @@ pub(super) struct Obj {
     pub(super) is_too_large: bool,
 }
 
-/// Reads the text of the file called `file`. `transform_point` transforms a point of the file into the body frame, `rotate` a direction.
+/// Reads the text of the file called `file`. `transform_point` transforms a point of the file into the body frame,
+/// `rotate` a direction.
 pub(super) fn read_obj(
     file: &str,
     text: &str,
@@ -248,8 +250,8 @@ fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
     Some(numbers)
 }
 
-/// Converts a corner's number to an index in a list of `count` entries: 1 is the first, -1 the last. `None` if it is out of
-/// range.
+/// Converts a corner's number to an index in a list of `count` entries: 1 is the first, -1 the last. `None` if it is
+/// out of range.
 fn index_in_list(number: i64, count: usize) -> Option<usize> {
     let index = match number {
         1.. => usize::try_from(number - 1).ok(),

@@ -93,8 +93,8 @@ impl MeshReader<'_> {
 }
 
 impl HeightImage {
-    /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the stored
-    /// values; opacity is ignored.
+    /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the
+    /// stored values; opacity is ignored.
     ///
     /// Source of the weights: Recommendation ITU-R BT.709.
     fn read(bytes: &[u8]) -> Result<Self, TextureError> {

@@ -22,9 +22,9 @@ pub const NOISE_EXTENSION: &str = ".noise.toml";
 /// Names of the presets: [`LEVELS`], and `course`, whose only errors are bounded errors at the targets of drives.
 pub const PRESETS: [&str; 5] = ["none", "mild", "real", "harsh", "course"];
 
-/// Names of the presets for all kinds of errors, from the smallest errors to the largest. `none` has no errors; `mild` represents good,
-/// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh` represents bad light, a
-/// slippery floor and worn devices.
+/// Names of the presets for all kinds of errors, from the smallest errors to the largest. `none` has no errors; `mild`
+/// represents good, well-maintained devices; `real` follows data sheets and published measurements of devices of this
+/// class; `harsh` represents bad light, a slippery floor and worn devices.
 pub const LEVELS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
 /// Preset named `name`.
@@ -50,7 +50,8 @@ pub fn preset_text(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns true for a TOML file that is a noise profile: its name ends in `.noise.toml`, or it has `base` at its top level.
+/// Returns true for a TOML file that is a noise profile: its name ends in `.noise.toml`, or it has `base` at its top
+/// level.
 pub fn is_noise(path: &str, text: &str) -> bool {
     path.to_lowercase().ends_with(NOISE_EXTENSION)
         || path::extension(path) == "toml" && super::table::has_top_key(text, &["base"])

@@ -20,8 +20,8 @@ pub struct NotAMaze(Cow<'static, str>);
 /// Text of a maze file.
 ///
 /// # Errors
-/// [`NotAMaze`] if a wall is off the grid or has a thickness, a height or a colour, if a start has no letter, or if no character represents
-/// an object.
+/// [`NotAMaze`] if a wall is off the grid or has a thickness, a height or a colour, if a start has no letter, or if no
+/// character represents an object.
 pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();

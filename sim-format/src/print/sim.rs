@@ -17,8 +17,8 @@ use sim_core::radio::RadioModel;
 /// Text of a sim file. A robot with a program whose type is a file gets a classic line; all other entities get lines of
 /// EyeSim VR.
 ///
-/// `scene` must be loaded from `sim`; it provides the robots of groups and the names of types. Inline parts of `sim` are lost unless the
-/// caller has moved them to files.
+/// `scene` must be loaded from `sim`; it provides the robots of groups and the names of types. Inline parts of `sim`
+/// are lost unless the caller has moved them to files.
 pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
     let mut printer = Printer { out: Printed::default(), scene };
     printer.write_sim(sim);

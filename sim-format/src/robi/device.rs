@@ -86,7 +86,8 @@ impl Reader {
         }
     }
 
-    /// Warns about the first PSD whose id is not its position in the file, since programs of EyeSim VR address PSDs by position.
+    /// Warns about the first PSD whose id is not its position in the file, since programs of EyeSim VR address PSDs by
+    /// position.
     pub(super) fn check_psd_order(&mut self) {
         let mut next_number = 1_i32..;
         let misnumbered = self.robi.psds.iter().zip(&mut next_number).find(|(psd, number)| psd.id != Some(*number));
@@ -130,10 +131,11 @@ impl Reader {
         }
     }
 
-    /// Interprets the last two numbers of a `camera` line: the size of the image, or in files of EyeSim VR the maximum pan and tilt.
+    /// Interprets the last two numbers of a `camera` line: the size of the image, or in files of EyeSim VR the maximum
+    /// pan and tilt.
     ///
-    /// Files of EyeSim VR contain sizes too, in lines that were copied from classic files. In such files, the classic size and numbers that
-    /// are too large for angles are read as a size.
+    /// Files of EyeSim VR contain sizes too, in lines that were copied from classic files. In such files, the classic
+    /// size and numbers that are too large for angles are read as a size.
     fn camera_tail(&mut self, words: &[Word<'_>; 2]) -> Option<CameraTail> {
         let values = [0, 1].map(|i| words[i].text.parse::<f64>().unwrap_or(f64::NAN));
         let is_classic_image = [0, 1].map(|i| words[i].text.parse().ok()) == CLASSIC_IMAGE.map(Some);

@@ -62,8 +62,8 @@ impl Reader {
         }
     }
 
-    /// Sets the maximum speeds of EyeSim VR, which ignores those of the file: 0.4 m/s at the rims of the wheels (0.5 m/s for a car), and
-    /// 90 degrees/s. EyeSim VR has no omni robots; their wheels keep the maximum rate of the file.
+    /// Sets the maximum speeds of EyeSim VR, which ignores those of the file: 0.4 m/s at the rims of the wheels (0.5
+    /// m/s for a car), and 90 degrees/s. EyeSim VR has no omni robots; their wheels keep the maximum rate of the file.
     fn apply_vr_limits(&mut self) {
         let rim_speed = if self.robi.drive.kind == DriveKind::Ackermann { 0.5 } else { 0.4 };
         (self.robi.max_speed, self.robi.max_turn) = (rim_speed, FRAC_PI_2);
@@ -88,8 +88,8 @@ impl Reader {
 
     /// Converts the last number of `wheel`, which in files of EyeSim VR is half the distance between the wheels.
     ///
-    /// Exceptions: for an omni drive, which EyeSim VR does not load, files state the full distance, as classic files do. If the wheels would
-    /// be outside the body, the number is taken as the full distance, with a warning.
+    /// Exceptions: for an omni drive, which EyeSim VR does not load, files state the full distance, as classic files
+    /// do. If the wheels would be outside the body, the number is taken as the full distance, with a warning.
     fn convert_track(&mut self, body_diameter: Option<f64>) {
         let (track, is_omni) = (self.robi.wheel.track, self.robi.drive.kind == DriveKind::Omni);
         if self.dialect < Dialect::Vr2017 || is_omni || !self.is_wheel_read {

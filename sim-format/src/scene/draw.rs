@@ -1,8 +1,9 @@
 //! Draws the random values of a scene: replaces each draw by a value before the scene is read.
 //!
-//! A draw is a table such as `{ uniform = [500, 3500] }` in place of a value. Its random numbers come from a separate stream, keyed
-//! by the seed and the path of the value (`robot.2.x_mm`), so they do not depend on the rest of the scene. Before the draws,
-//! entries of lists with a `count` are repeated, so that each copy has its own draws (`object.1.3.x_mm`).
+//! A draw is a table such as `{ uniform = [500, 3500] }` in place of a value. Its random numbers come from a separate
+//! stream, keyed by the seed and the path of the value (`robot.2.x_mm`), so they do not depend on the rest of the
+//! scene. Before the draws, entries of lists with a `count` are repeated, so that each copy has its own draws
+//! (`object.1.3.x_mm`).
 
 use std::cell::{Cell, OnceCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,7 +31,8 @@ const LISTS: [&str; 6] = ["robot", "object", "marker", "world.wall", "world.obje
 /// Maximum number of columns and of rows of a random maze.
 const MAX_MAZE_SIDE: i64 = 200;
 
-/// Maximum number of draws from a normal distribution until one lies within its limits; without success, an error is reported.
+/// Maximum number of draws from a normal distribution until one lies within its limits; without success, an error is
+/// reported.
 const MAX_TRIES: u32 = 1000;
 
 /// Any finite number.
@@ -78,7 +80,8 @@ pub(crate) struct DrawnDocument<'i> {
     pub(crate) paths: BTreeMap<String, Vec<String>>,
 }
 
-/// Maximum number of choices of a draw in the document, where a draw without choices has two, its extremes; 0 if nothing is drawn.
+/// Maximum number of choices of a draw in the document, where a draw without choices has two, its extremes; 0 if
+/// nothing is drawn.
 pub(crate) fn max_choices(root: &DeTable<'_>) -> usize {
     root.iter().map(|(_, value)| max_choices_in(value.get_ref())).max().unwrap_or_default()
 }
@@ -415,8 +418,8 @@ impl<'i> DrawPass<'_, 'i> {
         Spanned::new(span, new)
     }
 
-    /// Drawn value that the reference at `path` names, even through further references; `None` if there is no reference. Reports a
-    /// reference that names no drawn value, and returns `None`.
+    /// Drawn value that the reference at `path` names, even through further references; `None` if there is no
+    /// reference. Reports a reference that names no drawn value, and returns `None`.
     fn referenced_value(&mut self, path: &str) -> Option<DeValue<'i>> {
         let (mut target, span) = self.references.get(path)?.clone();
         let mut seen = BTreeSet::from([path.to_owned()]);

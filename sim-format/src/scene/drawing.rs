@@ -51,8 +51,8 @@ impl Reader {
 
 /// Mapping of positions in a string value to positions in the file.
 enum TextPlace {
-    /// The string starts at the beginning of a line of the file and contains no escapes. `mark` is the number of byte order
-    /// marks at its start, 0 or 1: readers of a file do not count them as characters, but here they are.
+    /// The string starts at the beginning of a line of the file and contains no escapes. `mark` is the number of byte
+    /// order marks at its start, 0 or 1: readers of a file do not count them as characters, but here they are.
     Written { start: usize, end: usize, line: u32, mark: u32 },
     /// Any other notation: only the whole value has a span.
     Whole(Span),

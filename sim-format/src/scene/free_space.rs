@@ -102,7 +102,8 @@ impl FreeSpace {
                 .all(|(other, other_radius)| centre.distance(*other) >= radius + other_radius)
     }
 
-    /// Returns true if the centre line of a wall has at least the distance `gap` from all discs and from the surfaces of all walls.
+    /// Returns true if the centre line of a wall has at least the distance `gap` from all discs and from the surfaces
+    /// of all walls.
     fn is_wall_free(&self, wall: &Segment, gap: f64) -> bool {
         let mut is_free = true;
         self.walls.for_each_in(wall.bounds().grown(gap + 0.5 * self.max_thickness), |id, other| {
@@ -120,7 +121,8 @@ impl FreeSpace {
     }
 }
 
-/// A random position and heading, rounded to micrometres and thousandths of a degree, so that a text can state both exactly.
+/// A random position and heading, rounded to micrometres and thousandths of a degree, so that a text can state both
+/// exactly.
 fn draw_pose(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
     let point = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
     let turn = (360_000.0 * stream.unit()).floor() / 1000.0;

@@ -2,10 +2,11 @@
 
 use sim_core::noise::Stream;
 
-/// Drawing of a maze with a start `S` in its lower left corner, as in a `.maz` file. `cell_size` is the side of a cell in metres.
+/// Drawing of a maze with a start `S` in its lower left corner, as in a `.maz` file. `cell_size` is the side of a cell
+/// in metres.
 ///
-/// The passages form a random spanning tree, found by depth-first search (recursive backtracker). In addition, each remaining inner wall
-/// is opened with probability `loops`.
+/// The passages form a random spanning tree, found by depth-first search (recursive backtracker). In addition, each
+/// remaining inner wall is opened with probability `loops`.
 pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell_size: Option<f64>, stream: &mut Stream) -> String {
     // True if the cell is open to the right, and to the top; row 0 is at the bottom.
     let mut open_right = vec![false; columns * rows];

@@ -1,7 +1,7 @@
 //! Our own TOML format for scenes. It can represent every property of the other formats, and the settings of a run.
 //!
-//! This module reads the text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables from separate
-//! files.
+//! This module reads the text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost
+//! tables from separate files.
 
 mod draw;
 mod drawing;
@@ -30,8 +30,8 @@ pub const SCENE_EXTENSION: &str = ".scene.toml";
 /// Top-level keys of scenes: a scene has at least one of them, a companion or a cost table has none.
 const SCENE_KEYS: [&str; 3] = ["scene", "world", "robot"];
 
-/// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it
-/// has `scene`, `world` or `robot` at its top level.
+/// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in
+/// `.scene.toml`, or it has `scene`, `world` or `robot` at its top level.
 pub fn is_scene(path: &str, text: &str) -> bool {
     if path.to_lowercase().ends_with(SCENE_EXTENSION) {
         return true;
@@ -109,7 +109,8 @@ impl Reader {
         robots.into_iter().map(|(line, _)| line).collect()
     }
 
-    /// Reports and removes robot numbers that are used twice or exceed `count`, the number of robots. The span is that of the number.
+    /// Reports and removes robot numbers that are used twice or exceed `count`, the number of robots. The span is that
+    /// of the number.
     fn check_robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
         let mut ids: BTreeMap<RobotId, u32> = BTreeMap::new();
         for (robot, span) in robots {

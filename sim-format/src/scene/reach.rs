@@ -12,8 +12,8 @@ const STEP: f64 = 0.125;
 /// Maximum number of steps along a side of the floor.
 const MAX_STEPS: f64 = 2000.0;
 
-/// Returns true if a disc of this radius can move from `from` to `to`, on a floor of this size, without touching walls or discs of
-/// `space`. `from` and `to` are each a point with the distance from it at which the path may begin or end.
+/// Returns true if a disc of this radius can move from `from` to `to`, on a floor of this size, without touching walls
+/// or discs of `space`. `from` and `to` are each a point with the distance from it at which the path may begin or end.
 ///
 /// The path is searched on a grid with steps of an eighth of the disc's diameter, but at most 2000 steps along each
 /// side of the floor. A path that is found is free of contacts along its whole length. The search may miss a path

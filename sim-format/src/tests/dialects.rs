@@ -15,7 +15,8 @@ fn scout() -> String {
     S4.replace("name  S4 plus", "name Scout")
 }
 
-/// Loads the scene `text` with a maze of three starts, an empty world, a robot type `Scout` and an object type `StopSign`.
+/// Loads the scene `text` with a maze of three starts, an empty world, a robot type `Scout` and an object type
+/// `StopSign`.
 fn load(text: &str) -> Loaded {
     let files = Memory::new(&[
         ("sims/a.sim", text),

@@ -92,7 +92,8 @@ fn rotations_are_about_z_then_x_then_y() {
         let rotations = DVec3::new(x, y, z) * FRAC_PI_2;
         load(&files, &object(model(rotations, DVec3::ZERO), 1.0)).0.expect("a mesh").positions[0]
     };
-    // The first corner lies in front of the origin. A rotation about Y (up) moves it to the right, one about X (right) down.
+    // The first corner lies in front of the origin. A rotation about Y (up) moves it to the right, one about X (right)
+    // down.
     for ((x, y, z), expected) in [
         ((0.0, 1.0, 0.0), DVec3::new(0.0, -3.0, 0.0)),
         ((1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, -3.0)),

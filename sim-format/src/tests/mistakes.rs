@@ -14,7 +14,8 @@ macro_rules! sonars {
     ($($name:literal)*) => { concat!($("[[sonar]]\nname = \"", $name, "\"\n"),*) };
 }
 
-/// Kind of a mistake, file name, and text that contains the mistake. Wheels and a drive are added to a robi without them.
+/// Kind of a mistake, file name, and text that contains the mistake. Wheels and a drive are added to a robi without
+/// them.
 const MISTAKES: &[(Code, &str, &str)] = &[
     (
         Code::EsobjArity,

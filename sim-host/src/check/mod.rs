@@ -39,9 +39,9 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in the scene's order; all get 0 points if a required check is not met. `findings` are
-/// the findings on motion, `tally` contains the counts of events, `report` describes the run, and `evidence` is the data
-/// that the programs of checks may read.
+/// Results of all checks of a scene, in the scene's order; all get 0 points if a required check is not met. `findings`
+/// are the findings on motion, `tally` contains the counts of events, `report` describes the run, and `evidence` is the
+/// data that the programs of checks may read.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,

@@ -154,8 +154,8 @@ fn truncated(text: &str) -> String {
     text.chars().take(MAX_MESSAGE).collect()
 }
 
-/// Writes the report and the trace into a new temporary folder. Returns the folder, which is removed when it is dropped, and the paths
-/// of both files.
+/// Writes the report and the trace into a new temporary folder. Returns the folder, which is removed when it is
+/// dropped, and the paths of both files.
 fn write_evidence(report: &Value, events: &Mutex<EventStore>) -> Result<(tempfile::TempDir, [PathBuf; 2]), String> {
     let trace = EventStore::trace(events).map_err(|error| error.to_string())?;
     let folder = tempfile::Builder::new().prefix("eyesim-check-").tempdir().map_err(|error| error.to_string())?;

@@ -10,8 +10,8 @@ use crate::robios::call::Call;
 /// Carries out the call in `body`, the body of a CALL message, with the methods of `host`; appends the body of the
 /// answer to `reply`.
 ///
-/// Stores the location of the call in `site`, and passes the number of a RoBIOS call to `store_number`; `callback` wraps
-/// a function of the program as a function of the host.
+/// Stores the location of the call in `site`, and passes the number of a RoBIOS call to `store_number`; `callback`
+/// wraps a function of the program as a function of the host.
 ///
 /// # Errors
 /// [`Malformed`] if the bytes do not encode a call.

@@ -36,8 +36,8 @@ const HOST_CALLS: [libc::c_long; 7] = [
     libc::SYS_prlimit64,
 ];
 
-/// Offsets in the kernel's `struct seccomp_data`: of the number, the architecture, the halves of the program counter, and the lower
-/// half of the first argument.
+/// Offsets in the kernel's `struct seccomp_data`: of the number, the architecture, the halves of the program counter,
+/// and the lower half of the first argument.
 const NUMBER_OFFSET: u32 = 0;
 const ARCHITECTURE_OFFSET: u32 = 4;
 const COUNTER_OFFSETS: [u32; 2] = [8, 12];

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::signal::Crash;
 
-/// Number of lost flows at which this process loads no more programs: each lost flow keeps its thread, its stack and its whole run. Our
-/// choice.
+/// Number of lost flows at which this process loads no more programs: each lost flow keeps its thread, its stack and
+/// its whole run. Our choice.
 pub const MAX_LOST_FLOWS: usize = 200;
 
 static LOST_FLOWS: AtomicUsize = AtomicUsize::new(0);

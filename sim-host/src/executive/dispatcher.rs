@@ -160,7 +160,8 @@ pub enum EndReason {
     Interrupted,
     /// A program failed in a way after which no program may continue.
     ProgramFailed,
-    /// A program of another run in this process crashed in the heap of the C library, which all programs of the process share.
+    /// A program of another run in this process crashed in the heap of the C library, which all programs of the process
+    /// share.
     HeapLost,
     /// The record cannot be written.
     Record(RecordError),
@@ -285,8 +286,8 @@ impl Dispatcher {
         &mut self.sinks
     }
 
-    /// Runs the slots that start before `horizon`. The run also pauses at the end of the first slot after `deadline` that the
-    /// calling thread finishes.
+    /// Runs the slots that start before `horizon`. The run also pauses at the end of the first slot after `deadline`
+    /// that the calling thread finishes.
     pub fn advance(&mut self, run: &Run, horizon: Time, deadline: Option<Instant>) -> BarrierOutcome {
         self.horizon = Some(horizon);
         if self.end.is_none() {
@@ -316,7 +317,8 @@ impl Dispatcher {
         *run.returns(worker).returns.lock() = returns;
     }
 
-    /// Removes `robot`, whose program has ended or failed, from the schedule; for `deadline` see [`Dispatcher::advance`].
+    /// Removes `robot`, whose program has ended or failed, from the schedule; for `deadline` see
+    /// [`Dispatcher::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> BarrierOutcome {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
             // The flow was abandoned, but has come back after all.
@@ -399,8 +401,8 @@ impl Dispatcher {
         self.workers[self.affinity[robot.index()] as usize].run_queue.push_back(robot);
     }
 
-    /// Takes the next robot for the idle `worker`: from its own run queue, or stolen from the longest run queue of another
-    /// worker, unless that robot is bound to the other worker.
+    /// Takes the next robot for the idle `worker`: from its own run queue, or stolen from the longest run queue of
+    /// another worker, unless that robot is bound to the other worker.
     fn take_next_for(&mut self, worker: usize, run: &Run) -> Option<RobotId> {
         if let Some(robot) = self.workers[worker].run_queue.pop_front() {
             return Some(robot);

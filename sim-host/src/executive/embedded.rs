@@ -34,8 +34,8 @@ impl EmbeddedRobot {
         Self { robot, code, arguments: arguments.to_vec(), site: Arc::default() }
     }
 
-    /// Runs the program on the calling thread, which belongs to a flow, and answers its calls with `host`. Returns its exit
-    /// code.
+    /// Runs the program on the calling thread, which belongs to a flow, and answers its calls with `host`. Returns its
+    /// exit code.
     ///
     /// # Errors
     /// [`Failure`] if the program was overdue.
@@ -99,8 +99,8 @@ impl<H: Support + Robios6 + Robios7 + Sync> Calls for HostCalls<H> {
         if thread::current().id() != self.thread {
             return Ok(Status::STOP);
         }
-        // SAFETY: null, or the host that `run` has borrowed further up the stack of this thread, which sets the pointer to null
-        // before it returns.
+        // SAFETY: null, or the host that `run` has borrowed further up the stack of this thread, which sets the pointer
+        // to null before it returns.
         let Some(host) = (unsafe { self.host.load(Ordering::Acquire).cast_const().as_ref() }) else {
             return Ok(Status::STOP);
         };
@@ -130,7 +130,8 @@ struct Function {
 /// Calls a function of the program.
 ///
 /// # Safety
-/// `data` must come from [`HostCalls::callback`], and the program must still be running: the function is freed when its run returns.
+/// `data` must come from [`HostCalls::callback`], and the program must still be running: the function is freed when its
+/// run returns.
 unsafe extern "C" fn call_function(data: *mut c_void) -> Status {
     // SAFETY: by this function's contract.
     let function = unsafe { data.cast_const().cast::<Function>().as_ref() };

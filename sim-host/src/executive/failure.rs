@@ -27,8 +27,8 @@ pub struct Failure {
 /// Depth of the search for return addresses from the stack pointer, in words.
 pub(super) const MAX_SEARCH_WORDS: usize = 4096;
 
-/// Distance from the low end of the stack, in bytes, within which a crash is reported as a stack overflow (a guard page lies below the
-/// stack).
+/// Distance from the low end of the stack, in bytes, within which a crash is reported as a stack overflow (a guard page
+/// lies below the stack).
 const GUARD_REACH: usize = 64 << 10;
 
 /// Beginning of the description of a null pointer dereference.
@@ -58,7 +58,8 @@ const SI_KERNEL: i32 = 0x80;
 const MAX_SHALLOW: usize = 1024;
 
 impl Failure {
-    /// Describes `crash` of a thread with these stack bounds; `stack_words` are the words on its stack from the stack pointer upwards.
+    /// Describes `crash` of a thread with these stack bounds; `stack_words` are the words on its stack from the stack
+    /// pointer upwards.
     pub(super) fn new(crash: Crash, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
         let is_deep = stack_words.is_empty() || stack_words.len() > MAX_SHALLOW;

@@ -142,8 +142,8 @@ pub(super) fn has_called() -> bool {
     FlowBlock::current().last_call.load(Ordering::Relaxed) != u16::MAX
 }
 
-/// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The flow holds its
-/// robot's run token and no lock.
+/// Calls a function of the robot's program from within a call of the calling flow, or at the beginning of a task. The
+/// flow holds its robot's run token and no lock.
 ///
 /// # Errors
 /// [`Stop`] if the program must exit: the call in progress returns it.

@@ -78,15 +78,16 @@ impl ForkedWorker {
         // SAFETY: a struct of numbers, for which zeros are valid.
         let mut info: libc::siginfo_t = unsafe { std::mem::zeroed() };
         let options = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
-        // SAFETY: a child that has not been waited for, and a valid pointer. The call fails if there is no child to wait for.
+        // SAFETY: a child that has not been waited for, and a valid pointer. The call fails if there is no child to
+        // wait for.
         let result = self.is_reaped
             || unsafe { libc::waitid(libc::P_PID, self.pid.cast_unsigned(), &raw mut info, options) } != 0;
         // SAFETY: the kernel has filled in the structure for a child that has ended, or not changed it.
         result || unsafe { info.si_pid() } != 0
     }
 
-    /// Waits for the end of the child; if it was killed, removes its abandoned run folders. Returns a description of its
-    /// end.
+    /// Waits for the end of the child; if it was killed, removes its abandoned run folders. Returns a description of
+    /// its end.
     pub fn wait(&mut self) -> String {
         let mut status = 0;
         if self.is_reaped {
@@ -142,8 +143,8 @@ fn await_single_thread() -> io::Result<()> {
     Err(io::Error::other("a process with several threads cannot be copied"))
 }
 
-/// Indices of those `streams` that have data to read or are closed. Waits until there is one, at most for `timeout`; a signal ends the
-/// wait.
+/// Indices of those `streams` that have data to read or are closed. Waits until there is one, at most for `timeout`; a
+/// signal ends the wait.
 ///
 /// # Errors
 /// The kernel refuses.

@@ -43,9 +43,9 @@ pub fn ignore_file_limit() -> io::Result<()> {
     unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }.map(drop)
 }
 
-/// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C and SIGTERM set; they also
-/// kill the compilers. The second such signal ends the process. A crash in a thread that a robot program started by itself ends the
-/// process with a message.
+/// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C and SIGTERM
+/// set; they also kill the compilers. The second such signal ends the process. A crash in a thread that a robot program
+/// started by itself ends the process with a message.
 ///
 /// # Errors
 /// The kernel refuses a handler, or a run has already installed its own, which these would replace.
@@ -78,8 +78,8 @@ pub fn of_process() -> io::Result<Interrupt> {
     Ok(interrupt)
 }
 
-/// The signals that interrupt the runs of a binary: Ctrl-C, a request to end, and the end of the terminal, unless `nohup`
-/// ignores that.
+/// The signals that interrupt the runs of a binary: Ctrl-C, a request to end, and the end of the terminal, unless
+/// `nohup` ignores that.
 fn interrupts() -> impl Iterator<Item = i32> {
     let hangup = (!IS_HANGUP_IGNORED.load(Ordering::Acquire)).then_some(libc::SIGHUP);
     [libc::SIGINT, libc::SIGTERM].into_iter().chain(hangup)
@@ -120,8 +120,8 @@ impl LastResort {
     fn install(&self) -> io::Result<()> {
         let signal = libc::SIGRTMAX() - 1;
         let action = action(on_last_resort as *const () as usize, libc::SA_RESTART);
-        // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe. An all-zero event is valid, and both
-        // pointers are.
+        // SAFETY: a handler without SA_SIGINFO gets a number; what it calls is async-signal-safe. An all-zero event is
+        // valid, and both pointers are.
         unsafe {
             change_action(signal, Some(&action))?;
             let mut event: libc::sigevent = std::mem::zeroed();
@@ -179,8 +179,8 @@ extern "C" fn on_last_resort(_: i32) {
     exit_after_writing(1)
 }
 
-/// Ends this process as soon as the traces on their way to their files are written, after one second at the latest: a reader of a pipe
-/// may have stopped. Async-signal-safe.
+/// Ends this process as soon as the traces on their way to their files are written, after one second at the latest: a
+/// reader of a pipe may have stopped. Async-signal-safe.
 fn exit_after_writing(code: i32) -> ! {
     for _ in 0..1000 {
         if trace_file::is_all_written() {
@@ -192,9 +192,9 @@ fn exit_after_writing(code: i32) -> ! {
     exit_at_once(code)
 }
 
-/// Ends this process with exit code 1 after `seconds`, in case a destructor of a program hangs while the process ends by
-/// itself; a signal of [`of_process`] ends it earlier. Does nothing without [`of_process`]. Allocates nothing, since a
-/// program that failed inside the C library may hold the lock of its allocator.
+/// Ends this process with exit code 1 after `seconds`, in case a destructor of a program hangs while the process ends
+/// by itself; a signal of [`of_process`] ends it earlier. Does nothing without [`of_process`]. Allocates nothing, since
+/// a program that failed inside the C library may hold the lock of its allocator.
 pub fn end_within(seconds: u32) {
     IS_ENDING.store(true, Ordering::Release);
     LAST_RESORT.set(seconds.into());
@@ -203,8 +203,8 @@ pub fn end_within(seconds: u32) {
 /// [`end_within`] was called: the command is done.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Does `work` before or after a run, such as to open files: the first signal of [`of_process`] ends the process, since `work` may wait
-/// for the reader of a pipe.
+/// Does `work` before or after a run, such as to open files: the first signal of [`of_process`] ends the process, since
+/// `work` may wait for the reader of a pipe.
 pub fn outside_of_run<T>(work: impl FnOnce() -> T) -> T {
     IS_OUTSIDE_OF_RUN.store(true, Ordering::Release);
     let result = work();
@@ -232,8 +232,8 @@ extern "C" fn on_interrupt(signal: i32) {
     }
 }
 
-/// Ends the process with a message: a thread that a program started itself has crashed. The isolation of programs does not cover such
-/// threads; the trace contains the record up to the last slot.
+/// Ends the process with a message: a thread that a program started itself has crashed. The isolation of programs does
+/// not cover such threads; the trace contains the record up to the last slot.
 extern "C" fn on_foreign_fault(signal: i32) {
     const WORDS: &[u8] =
         b"error: a thread that a robot program started by itself has crashed, or one whose stack and own variables a program has \

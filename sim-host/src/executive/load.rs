@@ -90,8 +90,8 @@ pub fn load_program(
     loading.and_then(|loading| loading.finish(robot)).map_err(|error| error_of_robot(robot, error))
 }
 
-/// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
-/// copies and stacks of these programs.
+/// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings
+/// for the copies and stacks of these programs.
 fn check_room<'a>(
     programs: impl IntoIterator<Item = &'a Arc<Prepared>>,
     exec: Exec,

@@ -25,8 +25,8 @@ pub struct MixedExecutor {
 }
 
 impl MixedExecutor {
-    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows that will be
-    /// started.
+    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows
+    /// that will be started.
     pub fn new(count: usize, flows: usize, workers: usize) -> Self {
         Self {
             threads: ThreadExecutor::new(count, flows, workers),

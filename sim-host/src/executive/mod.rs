@@ -64,16 +64,16 @@ pub trait Executor: Send + Sync {
     /// spawned.
     fn admit(&self, robot: RobotId, program: &RobotProgram, member: Option<&Arc<run::Member>>);
 
-    /// Creates a suspended flow of the robot for task number `task` ([`MAIN`](crate::robios::task::MAIN) for `main`, whose flow is
-    /// created first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` if
-    /// the task is `main`.
+    /// Creates a suspended flow of the robot for task number `task` ([`MAIN`](crate::robios::task::MAIN) for `main`,
+    /// whose flow is created first). `flow` returns when the task has ended, with the number of the task that gets the
+    /// run token next; `None` if the task is `main`.
     ///
     /// # Errors
     /// The system lacks the resources for another flow.
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
-    /// Makes the flow of the robot's first task serve `child`, the process of the robot's program. Must be called before
-    /// the flow is first resumed.
+    /// Makes the flow of the robot's first task serve `child`, the process of the robot's program. Must be called
+    /// before the flow is first resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
     /// Resumes the robot's flow with the run token on this `worker`. The flows of one worker run one after the other,
@@ -125,8 +125,8 @@ pub fn stack_limit() -> Option<u64> {
     (unsafe { libc::getrlimit(libc::RLIMIT_STACK, &raw mut limit) } == 0).then_some(limit.rlim_cur)
 }
 
-/// Disables transparent huge pages for this process, so that a thousand threads take little memory: with huge pages, the
-/// heap would take one or two of them for every thread that allocates a few bytes.
+/// Disables transparent huge pages for this process, so that a thousand threads take little memory: with huge pages,
+/// the heap would take one or two of them for every thread that allocates a few bytes.
 pub fn save_memory() {
     // SAFETY: prctl with these arguments takes no pointer; if the kernel refuses, the process only needs more memory.
     unsafe { libc::prctl(libc::PR_SET_THP_DISABLE, 1, 0, 0, 0) };

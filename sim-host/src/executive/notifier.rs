@@ -30,8 +30,8 @@ impl Notifier {
     /// Wakes the waiting thread; async-signal-safe, and idempotent until the next [`wait`](Self::wait).
     pub fn notify(&self) {
         let one = 1u64;
-        // SAFETY: `one` has eight bytes; write is async-signal-safe. An error (a full counter) means that the notifier is
-        // already notified.
+        // SAFETY: `one` has eight bytes; write is async-signal-safe. An error (a full counter) means that the notifier
+        // is already notified.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 

@@ -7,8 +7,8 @@ use std::ops::Range;
 /// Length of a cache line in bytes.
 const LINE: usize = 64;
 
-/// Prefetches the memory at these addresses into the second-level cache on x86-64; does nothing elsewhere. Addresses that are not
-/// mapped are allowed.
+/// Prefetches the memory at these addresses into the second-level cache on x86-64; does nothing elsewhere. Addresses
+/// that are not mapped are allowed.
 #[inline]
 pub fn prefetch(addresses: Range<*const u8>) {
     if addresses.is_empty() {

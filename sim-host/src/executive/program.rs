@@ -88,7 +88,8 @@ impl RobotProgram {
         matches!(self, Self::InHost { is_fiber: true, .. })
     }
 
-    /// The program's variables in a copy of its library that it shares with other robots; `None` if it has its own copy.
+    /// The program's variables in a copy of its library that it shares with other robots; `None` if it has its own
+    /// copy.
     pub fn variables(&self) -> Option<&Arc<Variables>> {
         match self {
             Self::InHost { program, .. } => program.variables(),
@@ -112,7 +113,8 @@ impl RobotProgram {
         }
     }
 
-    /// Ends the program's own process, which may close its files until `deadline`; does nothing for a program in this process.
+    /// Ends the program's own process, which may close its files until `deadline`; does nothing for a program in this
+    /// process.
     pub fn end(&self, deadline: Instant) {
         if let Some(child) = self.child() {
             child.end(deadline);

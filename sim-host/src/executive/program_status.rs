@@ -168,7 +168,8 @@ pub fn judge(
     }
 }
 
-/// Describes the wait of each task: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
+/// Describes the wait of each task:
+/// `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
 fn describe_waits(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
     if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
         return describe_tasks(robot, program, run_end.senders);
@@ -182,8 +183,8 @@ fn describe_waits(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// Describes the waits of a robot's tasks during the run, without locations: `waits for KEY4 since 2.310 s`; empty if a task does not
-/// wait.
+/// Describes the waits of a robot's tasks during the run, without locations: `waits for KEY4 since 2.310 s`; empty if a
+/// task does not wait.
 pub fn waits_now(robot: &Robot) -> String {
     if !robot.tasks.are_all_waiting() {
         return String::new();
@@ -196,8 +197,8 @@ pub fn waits_now(robot: &Robot) -> String {
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task
-/// `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
+/// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last
+/// passed by task `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
 pub fn describe_tasks(robot: &Robot, program: &RobotProgram, senders: PossibleSenders) -> String {
     let tasks = &robot.tasks;
     let location_suffix =
@@ -286,8 +287,8 @@ fn failure_report(failure: &Failure, program: &RobotProgram) -> FailureReport {
     FailureReport { description, location, last_call }
 }
 
-/// Reads and writes of the line at which the program's own code failed. `None` if the program failed elsewhere, if the line may have
-/// further accesses, or if the program is in Rust.
+/// Reads and writes of the line at which the program's own code failed. `None` if the program failed elsewhere, if the
+/// line may have further accesses, or if the program is in Rust.
 fn accesses_at(failure: &Failure, program: &RobotProgram) -> Option<Accesses> {
     let line = program.own_source_line(failure.addresses.get(..1)?)?;
     let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
@@ -301,7 +302,8 @@ fn null_pointer(failure: &Failure, program: &RobotProgram) -> Option<String> {
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
-/// Question about an index out of range, if the line at which the program's own code failed indexes one array and uses no pointer.
+/// Question about an index out of range, if the line at which the program's own code failed indexes one array and uses
+/// no pointer.
 fn index_out_of_range(failure: &Failure, program: &RobotProgram) -> Option<String> {
     let Accesses { pointers, arrays } = accesses_at(failure, program)?;
     let [array] = arrays.as_slice() else { return None };
@@ -394,8 +396,8 @@ fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
 }
 
-/// Returns true if the program failed because it had overwritten the heap's data between blocks, as its shim found (`TRAP` in
-/// shim.c).
+/// Returns true if the program failed because it had overwritten the heap's data between blocks, as its shim found
+/// (`TRAP` in shim.c).
 pub(super) fn has_lost_heap(failure: &Failure, program: &RobotProgram) -> bool {
     let function = || program.function_at(*failure.addresses.first()?);
     function().as_deref() == Some("eyesim_trap_heap_lost")

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use crate::program::image::SourceLine;
 use crate::robios::storage::missing_file;
 
-/// Explains `reason`, followed by the library's message in brackets: `src/lib.rs:8: this divides by 0 (panicked: attempt to divide by
-/// zero)`. `None` for an unknown message. `text_of` returns the text of a line of the program.
+/// Explains `reason`, followed by the library's message in brackets:
+/// `src/lib.rs:8: this divides by 0 (panicked: attempt to divide by zero)`. `None` for an unknown message. `text_of`
+/// returns the text of a line of the program.
 pub fn explain(reason: &str, text_of: impl Fn(&SourceLine) -> Option<String>) -> Option<String> {
     let (message, line) = if let Some((task, panic)) = reason.split_once("panicked: ") {
         let mut parts = panic.splitn(4, ':');

@@ -247,8 +247,8 @@ impl Run {
         self.members[id.index()].program.as_ref()
     }
 
-    /// The worker on which robot `id` has to run, because the copy of its library belongs to that worker; `None` for any
-    /// worker.
+    /// The worker on which robot `id` has to run, because the copy of its library belongs to that worker; `None` for
+    /// any worker.
     pub(super) fn bound_worker(&self, id: RobotId) -> Option<u32> {
         self.program(id)?.variables().map(|variables| variables.worker())
     }
@@ -351,7 +351,8 @@ impl Run {
         self.slot_end.store(world.slot_end().0, Ordering::Release);
     }
 
-    /// Suspends the calling flow of `robot` until the slot that contains `wake`, or earlier if its awaited condition changes.
+    /// Suspends the calling flow of `robot` until the slot that contains `wake`, or earlier if its awaited condition
+    /// changes.
     ///
     /// # Errors
     /// [`Stop`] if the program must exit or its flow was abandoned.

@@ -30,8 +30,8 @@ use crate::robios::forbidden::Forbidden;
 use crate::robios::panel::Panel;
 use crate::robios::robot::{Ending, Robot};
 
-/// A run in progress, advanced by its owner. Between two calls no robot runs: the owner may read the world and the robots, and
-/// [act](Scheduler::act).
+/// A run in progress, advanced by its owner. Between two calls no robot runs: the owner may read the world and the
+/// robots, and [act](Scheduler::act).
 ///
 /// If it is dropped before it is [finished](Scheduler::finish), all programs exit.
 pub struct Scheduler {
@@ -236,8 +236,8 @@ impl Scheduler {
         self.advance_within(time, Duration::MAX)
     }
 
-    /// Like [`Scheduler::advance_to`], but also pauses at the end of the first slot after the wall-clock time `budget` has
-    /// passed; for [`Duration::ZERO`] after one slot.
+    /// Like [`Scheduler::advance_to`], but also pauses at the end of the first slot after the wall-clock time `budget`
+    /// has passed; for [`Duration::ZERO`] after one slot.
     pub fn advance_within(&mut self, time: Time, budget: Duration) -> Progress {
         let deadline = Instant::now().checked_add(budget);
         loop {
@@ -302,8 +302,8 @@ impl Scheduler {
     /// Copies the paused run into a simulation whose owner drives the robots and must supply the scenery for cameras.
     ///
     /// # Errors
-    /// [`SnapshotError`] if the run has programs, whose stacks cannot be copied. Such a run can only be repeated from the start with
-    /// the same seed.
+    /// [`SnapshotError`] if the run has programs, whose stacks cannot be copied. Such a run can only be repeated from
+    /// the start with the same seed.
     pub fn snapshot(&self) -> Result<Simulation, SnapshotError> {
         let run = &*self.run;
         let with_programs: Vec<RobotId> = run.ids_with_program().collect();
@@ -321,8 +321,8 @@ impl Scheduler {
         self.run.dispatcher.lock().end_with(EndReason::Interrupted);
     }
 
-    /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more before its limit
-    /// ends normally; any other run ends as interrupted.
+    /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more
+    /// before its limit ends normally; any other run ends as interrupted.
     pub fn finish(mut self) -> Ended {
         self.run.dispatcher.lock().close(&self.run);
         self.exit_programs();
@@ -391,7 +391,8 @@ impl Scheduler {
         }
     }
 
-    /// Handles a failed flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in time.
+    /// Handles a failed flow of robot `id`: ends the run, unless the robot was removed and its program did not exit in
+    /// time.
     fn handle_failure(&mut self, id: RobotId, failure: Failure, deadline: Option<Instant>) {
         if self.abandoned.contains(&id) || self.failures.iter().any(|(known, _)| *known == id) {
             return;
@@ -473,16 +474,16 @@ impl Scheduler {
         interrupt::reinstall(is_of_program);
     }
 
-    /// The `running` robots whose programs have not reacted within [`STOP_TIMEOUT`] (after an interrupt, half of it) to a
-    /// request to stop.
+    /// The `running` robots whose programs have not reacted within [`STOP_TIMEOUT`] (after an interrupt, half of it) to
+    /// a request to stop.
     fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
         let timeout = if self.run.interrupt().is_set() { STOP_TIMEOUT / 2 } else { STOP_TIMEOUT };
         let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > timeout && running.contains(id);
         self.stopping.iter().filter(is_late).map(|(id, _)| *id).collect()
     }
 
-    /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has failed, so that
-    /// no code of a damaged process adds to the record.
+    /// Lets every program that has not ended exit, one after the other in the order of ids. Does nothing if a flow has
+    /// failed, so that no code of a damaged process adds to the record.
     fn exit_programs(&mut self) {
         if self.has_requested_exit || !self.failures.is_empty() || self.run.executor().must_end() {
             return;

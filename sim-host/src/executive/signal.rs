@@ -41,7 +41,8 @@ pub struct FlowBlock {
     pub in_host: AtomicBool,
     /// Passes crashes of the thread to the handlers that the process had before the run.
     passes_faults_to_process: AtomicBool,
-    /// The program's floating-point environment while the host uses the default one; 0 if the program also uses the default.
+    /// The program's floating-point environment while the host uses the default one; 0 if the program also uses the
+    /// default.
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     is_overdue: AtomicBool,
@@ -92,21 +93,25 @@ enum OnCrash {
 /// Functions that leave a failed fiber.
 #[derive(Clone, Copy)]
 pub struct FiberExits {
-    /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns; async-signal-safe.
+    /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns;
+    /// async-signal-safe.
     pub from_signal: unsafe fn(context: *mut libc::ucontext_t),
     /// Leaves the fiber on which it is called.
     pub from_call: fn() -> !,
 }
 
-/// Callback for a crash of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread continues.
+/// Callback for a crash of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread
+/// continues.
 pub type CrashCallback = fn(&FlowBlock, Crash);
 
 /// A crash as the kernel reported it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crash {
-    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread, [`THREAD_ENDED`] if the thread has ended.
+    /// Number of the signal; [`OVERDUE_SIGNAL`] if the watchdog stopped the thread, [`THREAD_ENDED`] if the thread has
+    /// ended.
     pub signal: i32,
-    /// The kernel's code of the cause (`si_code`); 0 if unknown, negative if the signal was sent and no instruction caused it.
+    /// The kernel's code of the cause (`si_code`); 0 if unknown, negative if the signal was sent and no instruction
+    /// caused it.
     pub code: i32,
     /// Address that the program accessed, for SIGSEGV and SIGBUS; number of the system call for SIGSYS.
     pub address: usize,
@@ -199,8 +204,8 @@ impl FlowBlock {
         copied == 1 && word[0] == address.addr() ^ MARK
     }
 
-    /// Passes crashes of the block's thread to the handlers of the process from now on, for code that may hold locks of the
-    /// process.
+    /// Passes crashes of the block's thread to the handlers of the process from now on, for code that may hold locks of
+    /// the process.
     pub fn pass_faults_to_process(&self) {
         self.passes_faults_to_process.store(true, Ordering::Relaxed);
     }
@@ -300,8 +305,8 @@ impl FlowBlock {
         }
     }
 
-    /// Copies the unfinished line of standard output (0) or standard error (1) at the crash to `line`; returns its length in bytes.
-    /// Async-signal-safe.
+    /// Copies the unfinished line of standard output (0) or standard error (1) at the crash to `line`; returns its
+    /// length in bytes. Async-signal-safe.
     pub fn unfinished_line(&self, console: usize, line: &mut [usize; CONSOLE_LINE / size_of::<usize>()]) -> usize {
         let [used, address] = self.unfinished[console].each_ref().map(|word| word.load(Ordering::Relaxed));
         let copied = copy_if_mapped(address, &mut line[..used.div_ceil(size_of::<usize>())]).unwrap_or(0);
@@ -313,8 +318,8 @@ impl FlowBlock {
         self.crash_signal.load(Ordering::Relaxed) != 0
     }
 
-    /// Publishes the stored crash and notifies the supervisor; async-signal-safe. A fiber's crash is published once the fiber has been
-    /// left.
+    /// Publishes the stored crash and notifies the supervisor; async-signal-safe. A fiber's crash is published once the
+    /// fiber has been left.
     pub fn publish_stored(&self) {
         self.has_crashed.store(true, Ordering::Release);
         if let OnCrash::Park(notifier) | OnCrash::Leave { notifier, .. } = &self.on_crash {
@@ -361,7 +366,8 @@ impl FlowBlock {
 }
 
 impl FlowBlock {
-    /// Makes this the block of a fiber that runs on the calling thread, that of `worker`, on the stack with these bounds.
+    /// Makes this the block of a fiber that runs on the calling thread, that of `worker`, on the stack with these
+    /// bounds.
     pub fn adopt_fiber(&self, worker: &Self, [low, top]: [usize; 2]) {
         self.stack[0].store(low, Ordering::Relaxed);
         self.stack[1].store(top, Ordering::Relaxed);
@@ -370,8 +376,8 @@ impl FlowBlock {
     }
 }
 
-/// Makes `block`, the block of the fiber that the calling worker's thread runs next, the thread's current block; null for
-/// none. The alternate stack of the thread's own block remains in use.
+/// Makes `block`, the block of the fiber that the calling worker's thread runs next, the thread's current block; null
+/// for none. The alternate stack of the thread's own block remains in use.
 ///
 /// # Safety
 /// The block must be alive until it is replaced.
@@ -383,8 +389,8 @@ impl Drop for FlowBlock {
     fn drop(&mut self) {
         let address = *self.alternate_stack.get_mut();
         if address != 0 {
-            // SAFETY: mapped with this size by `set_alternate_stack`; by the contract of `adopt_current_thread` the threads that
-            // adopted the block have ended, and no other code knows the address.
+            // SAFETY: mapped with this size by `set_alternate_stack`; by the contract of `adopt_current_thread` the
+            // threads that adopted the block have ended, and no other code knows the address.
             unsafe { libc::munmap(ptr::with_exposed_provenance_mut(address), ALTERNATE_STACK) };
         }
     }
@@ -502,7 +508,8 @@ impl HandlerState {
         ARE_INSTALLED.store(false, Ordering::Release);
         for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&mut self.previous) {
             let is_ours = |now: libc::sigaction| now.sa_sigaction == on_crash as *const () as usize;
-            // SAFETY: the first call changes nothing, the second restores the previous action, which came from the kernel.
+            // SAFETY: the first call changes nothing, the second restores the previous action, which came from the
+            // kernel.
             unsafe {
                 if previous.is_some() && change_action(signal, None).is_ok_and(is_ours) {
                     let _ = change_action(signal, previous.take().as_ref());
@@ -512,12 +519,13 @@ impl HandlerState {
     }
 }
 
-/// Registers the functions that the C library calls when a program on a thread of the host ends or forks the process; does so once.
+/// Registers the functions that the C library calls when a program on a thread of the host ends or forks the process;
+/// does so once.
 fn guard_process() {
     static ARE_REGISTERED: std::sync::Once = std::sync::Once::new();
     ARE_REGISTERED.call_once(|| {
-        // SAFETY: the functions belong to this binary, which is never unloaded; if they cannot be registered, nothing is
-        // guarded.
+        // SAFETY: the functions belong to this binary, which is never unloaded; if they cannot be registered, nothing
+        // is guarded.
         unsafe {
             libc::atexit(on_exit);
             libc::pthread_atfork(None, None, Some(on_fork_in_child));
@@ -532,7 +540,8 @@ fn block_of_program<'a>() -> Option<&'a FlowBlock> {
     (!matches!(block.on_crash, OnCrash::Report(_)) && !block.in_host.load(Ordering::Relaxed)).then_some(block)
 }
 
-/// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is called.
+/// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is
+/// called.
 extern "C" fn on_exit() {
     if let Some(block) = block_of_program() {
         let local = 0u8;
@@ -575,7 +584,8 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
         libc::SIG_DFL | libc::SIG_IGN => {}
         _ if flags & libc::SA_SIGINFO != 0 => {
             type Handler = extern "C" fn(i32, *mut libc::siginfo_t, *mut libc::c_void);
-            // SAFETY: neither of the two constants, so a handler of this type by its flags, which its owner keeps in place.
+            // SAFETY: neither of the two constants, so a handler of this type by its flags, which its owner keeps in
+            // place.
             unsafe { std::mem::transmute::<*const (), Handler>(handler)(signal, info, context) }
         }
         // SAFETY: as above, of the other type.
@@ -613,7 +623,8 @@ pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
 fn copy_if_mapped(address: usize, words: &mut [usize]) -> Option<usize> {
     let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
     let remote = libc::iovec { iov_base: ptr::without_provenance_mut(address), iov_len: size_of_val(words) };
-    // SAFETY: the kernel copies from this process itself, and stops where nothing is mapped; `words` has the stated size.
+    // SAFETY: the kernel copies from this process itself, and stops where nothing is mapped; `words` has the stated
+    // size.
     let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
     // A kernel that does not allow the copy returns a different error.
     let is_allowed = copied >= 0 || io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT);
@@ -728,7 +739,8 @@ unsafe fn accessed_address(signal: i32, info: *mut libc::siginfo_t) -> usize {
     unsafe { (*info).si_addr() as usize }
 }
 
-/// Returns true if the quotient of a division that has trapped may have overflowed: the dividend is the minimum integer.
+/// Returns true if the quotient of a division that has trapped may have overflowed: the dividend is the minimum
+/// integer.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.

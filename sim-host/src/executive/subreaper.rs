@@ -63,8 +63,8 @@ fn children() -> BTreeSet<i32> {
 }
 
 fn has_children() -> bool {
-    // SAFETY: a `siginfo_t` is plain data, for which zeros are valid; the call writes only to it and, because of `WNOWAIT`,
-    // does not reap an ended child.
+    // SAFETY: a `siginfo_t` is plain data, for which zeros are valid; the call writes only to it and, because of
+    // `WNOWAIT`, does not reap an ended child.
     let result = unsafe {
         let mut info = std::mem::zeroed();
         libc::waitid(libc::P_ALL, 0, &raw mut info, libc::WEXITED | libc::WNOHANG | libc::WNOWAIT | libc::__WALL)

@@ -68,8 +68,8 @@ struct Flows {
     list: Vec<(u32, Arc<ThreadFlow>)>,
     /// The flow that holds the run token.
     token_holder: Option<Arc<ThreadFlow>>,
-    /// The flow that handed on the run token as its last action. The new holder joins its thread before it runs, since that thread
-    /// may still run the program's destructors of thread-locals.
+    /// The flow that handed on the run token as its last action. The new holder joins its thread before it runs, since
+    /// that thread may still run the program's destructors of thread-locals.
     ending: Option<Arc<ThreadFlow>>,
 }
 
@@ -92,11 +92,11 @@ thread_local! {
 }
 
 impl ThreadExecutor {
-    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows that will be
-    /// started.
+    /// Creates an executor for `count` robots, with ids from 1, on `workers` workers; `flows` is the number of flows
+    /// that will be started.
     ///
-    /// If there are more flows than workers, the threads of a worker are bound to one processor: on the machines measured a
-    /// hand-over to another processor costs two to three times as much.
+    /// If there are more flows than workers, the threads of a worker are bound to one processor: on the machines
+    /// measured a hand-over to another processor costs two to three times as much.
     pub fn new(count: usize, flows: usize, workers: usize) -> Self {
         let processors: Arc<[usize]> = if flows > workers { processors(workers).into() } else { Arc::default() };
         let executor = Self { robots: boxcar::Vec::with_capacity(count), processors, notifier: OnceLock::new() };
@@ -169,8 +169,8 @@ impl ThreadFlow {
         flow
     }
 
-    /// Joins the thread, which has adopted this flow and is about to end. Returns false if the thread crashes or has not
-    /// ended after `timeout`; then it is lost.
+    /// Joins the thread, which has adopted this flow and is about to end. Returns false if the thread crashes or has
+    /// not ended after `timeout`; then it is lost.
     fn join(self: &Arc<Self>, timeout: Duration) -> bool {
         let Some(thread) = self.thread.lock().take() else { return false };
         let is_joined = join(thread, &self.block, timeout);
@@ -418,8 +418,8 @@ impl Executor for ThreadExecutor {
     }
 }
 
-/// Implements [`Executor::backtrace`] for the flow of `block`. Empty if the flow sleeps in the kernel, since the signal of
-/// the request would end its sleep.
+/// Implements [`Executor::backtrace`] for the flow of `block`. Empty if the flow sleeps in the kernel, since the signal
+/// of the request would end its sleep.
 pub(super) fn backtrace(block: &FlowBlock) -> Vec<usize> {
     let is_computing = FlowSample::of_thread(block).is_some_and(|sample| !sample.is_asleep);
     let Some([pc, sp]) = is_computing.then(|| signal::backtrace(block)).flatten() else { return Vec::new() };
@@ -448,7 +448,8 @@ pub(super) fn failure(block: &FlowBlock, task: Option<u32>) -> Option<Failure> {
 /// Returns a processor for each worker, among those that this process may use, beginning with the calling thread's;
 /// empty if there are fewer processors than workers.
 fn processors(workers: usize) -> Vec<usize> {
-    // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the other calls take no pointers.
+    // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the other calls take no
+    // pointers.
     let (allowed, current) = unsafe {
         let mut set: libc::cpu_set_t = std::mem::zeroed();
         if libc::sched_getaffinity(0, size_of::<libc::cpu_set_t>(), &mut set) != 0 {

@@ -36,8 +36,8 @@ pub struct FlowSample {
     pub is_asleep: bool,
     /// The flow imports a module, for which the timeout is longer, see `IMPORT_TIMEOUT_FACTOR`.
     pub is_importing: bool,
-    /// Processor time of earlier imports, which is not part of the measured time. The program's process reports it; the report may be
-    /// false.
+    /// Processor time of earlier imports, which is not part of the measured time. The program's process reports it; the
+    /// report may be false.
     pub imports: Duration,
 }
 
@@ -98,15 +98,15 @@ impl ReleaseTimer {
         self.baseline = None;
     }
 
-    /// Records that the flow's thread does not exist in this release. Returns true the second time: this is not called twice
-    /// for a thread that has ended normally, since its robot no longer runs.
+    /// Records that the flow's thread does not exist in this release. Returns true the second time: this is not called
+    /// twice for a thread that has ended normally, since its robot no longer runs.
     pub fn record_missing(&mut self, release: u64) -> bool {
         self.gone_in.replace(release) == Some(release)
     }
 
     /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since
-    /// its last release, not counting imports of modules. The measurement starts at the first sample of a release, so that
-    /// a program may use up to one sampling interval more.
+    /// its last release, not counting imports of modules. The measurement starts at the first sample of a release, so
+    /// that a program may use up to one sampling interval more.
     pub fn is_overdue(&mut self, sample: &FlowSample, timeout: f64) -> bool {
         let processor_time = sample.processor_time;
         let now = Instant::now();
@@ -136,8 +136,8 @@ pub fn is_debugged() -> bool {
     is_traced("self")
 }
 
-/// Returns true while a debugger is attached to the process `pid`: a tracer that no program has started, and that is not this process, as
-/// it would be after `ptrace(PTRACE_TRACEME)` of a program.
+/// Returns true while a debugger is attached to the process `pid`: a tracer that no program has started, and that is
+/// not this process, as it would be after `ptrace(PTRACE_TRACEME)` of a program.
 pub fn is_traced(pid: &str) -> bool {
     number_in_status(pid, "TracerPid:").is_some_and(|tracer| tracer != 0 && !is_descendant(tracer))
 }

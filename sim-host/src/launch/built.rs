@@ -52,8 +52,8 @@ impl BuiltScene {
         &self.programs.remarks
     }
 
-    /// Remarks on programs that do not run on fibers, or not as [`Options::exec`](super::Options::exec) requests, with the
-    /// reasons, one line each.
+    /// Remarks on programs that do not run on fibers, or not as [`Options::exec`](super::Options::exec) requests, with
+    /// the reasons, one line each.
     pub fn placement_remarks(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for program in self.programs.iter() {
@@ -78,8 +78,8 @@ impl BuiltScene {
     /// Creates the robots and loads their programs.
     ///
     /// # Errors
-    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated, [`Error::Frames`] for
-    /// a folder of images that cannot be created.
+    /// [`Error::Load`] for a program that cannot be loaded, [`Error::Robot`] for a robot that cannot be simulated,
+    /// [`Error::Frames`] for a folder of images that cannot be created.
     pub fn load(self) -> Result<Ready, Error> {
         let mut loader = Loader::new()
             .map_err(|error| Error::Folder { purpose: "folder in $TMPDIR to load programs from", error })?;

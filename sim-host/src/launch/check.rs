@@ -15,8 +15,8 @@ use crate::program::scene::generation_hint;
 use crate::program::{Generation, GenerationHint};
 use crate::robios::{cost, forbidden};
 
-/// Checks that a robot's program can be found and that its generation can be chosen; otherwise returns the code of the failed check
-/// and a message.
+/// Checks that a robot's program can be found and that its generation can be chosen; otherwise returns the code of the
+/// failed check and a message.
 pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
 /// Folders that are searched for programs of a scene, in addition to its own: the working folder and the installation.
@@ -153,7 +153,8 @@ fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
     })
 }
 
-/// Diagnostics for programs that the files of a scene name and that are not found, each once, in the order of the robots.
+/// Diagnostics for programs that the files of a scene name and that are not found, each once, in the order of the
+/// robots.
 pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
     let mut known_programs: BTreeSet<&str> = BTreeSet::new();
     let mut missing = Vec::new();

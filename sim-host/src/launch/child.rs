@@ -9,8 +9,9 @@ use crate::executive::process::{CHILD_NAME, client};
 
 /// Serves a robot's program if this process was started for one; returns the exit code with which the process must end.
 ///
-/// A binary whose runs have robots in their own processes ([`Exec::Process`](crate::executive::program::Exec::Process)) must call
-/// this first in its `main`, since these processes are started from the same binary. Programs in Python do not need it.
+/// A binary whose runs have robots in their own processes ([`Exec::Process`](crate::executive::program::Exec::Process))
+/// must call this first in its `main`, since these processes are started from the same binary. Programs in Python do
+/// not need it.
 pub fn serve_child() -> Option<ExitCode> {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let [name, command, library] = &arguments[..] else { return None };

@@ -1,9 +1,9 @@
 //! Runs of scenes with robot programs, as a library: no command line, no console.
 //!
 //! [`Scene::open`] reads a scene with all files to which it refers, and lists the mistakes in them as diagnostics.
-//! [`Scene::load`] builds and loads the programs of the robots. [`Ready::start`] returns a [`Running`] run, which its owner advances
-//! step by step or to its end; [`Running::finish`] returns the results. Several runs may exist side by side in one
-//! process.
+//! [`Scene::load`] builds and loads the programs of the robots. [`Ready::start`] returns a [`Running`] run, which its
+//! owner advances step by step or to its end; [`Running::finish`] returns the results. Several runs may exist side by
+//! side in one process.
 
 mod built;
 pub mod check;

@@ -6,8 +6,8 @@ use crate::program::words::WordsError;
 use crate::robios::cost::CostError;
 use crate::robios::key::ScriptError;
 
-/// An option of a run that does not fit the scene, or whose file cannot be read. The message names the option of the command line, except
-/// for cost tables.
+/// An option of a run that does not fit the scene, or whose file cannot be read. The message names the option of the
+/// command line, except for cost tables.
 #[derive(Debug, thiserror::Error)]
 pub enum OptionError {
     /// A script of key presses cannot be read.

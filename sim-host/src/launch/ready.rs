@@ -272,8 +272,8 @@ impl Running {
         self.end().judge()
     }
 
-    /// Ends the run and completes its record. Before [`EndedRun::judge`] starts the programs of checks, the caller can end
-    /// processes that the robots' programs have left running.
+    /// Ends the run and completes its record. Before [`EndedRun::judge`] starts the programs of checks, the caller can
+    /// end processes that the robots' programs have left running.
     pub fn end(self) -> EndedRun {
         let Self { scheduler, settings, scene, scenery, inputs, judging } = self;
         EndedRun { ended: scheduler.finish(), settings, scene, scenery, inputs, judging }

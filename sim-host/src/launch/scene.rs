@@ -113,7 +113,8 @@ impl Scene {
         let cache = Cache::of_user().map_err(folder("folder for built programs"))?;
         let mut tools = Tools::of_environment();
         if self.options.debug.is_some() {
-            // Without optimisation the debugger finds every line and variable. The user's flags follow and take precedence.
+            // Without optimisation the debugger finds every line and variable. The user's flags follow and take
+            // precedence.
             tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
         }
         Ok(Builder::new(cache, Kits::of_robios(), tools).with_sandbox(self.options.sandbox.clone()))
@@ -131,8 +132,9 @@ impl Scene {
     /// Finds the programs of the robots and builds each once with `builder`.
     ///
     /// # Errors
-    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Option`] for an option
-    /// that does not fit the scene; [`Error::Programs`] for programs that cannot be built.
+    /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found;
+    /// [`Error::Option`] for an option that does not fit the scene; [`Error::Programs`] for programs that cannot be
+    /// built.
     pub fn build(self, builder: &Builder) -> Result<BuiltScene, Error> {
         self.build_with(builder, &mut ProgramCache::default())
     }
@@ -289,7 +291,8 @@ pub struct ProgramCache {
     programs_by_key: BTreeMap<CacheKey, (Programs, Vec<Input>)>,
 }
 
-/// Folder of the scene, and for each robot: program, true if a file of the scene names the program, generation and dialect.
+/// Folder of the scene, and for each robot: program, true if a file of the scene names the program, generation and
+/// dialect.
 type CacheKey = (String, Vec<(String, bool, GenerationHint)>);
 
 impl ProgramCache {

@@ -259,7 +259,8 @@ enum Precedence {
     Number,
 }
 
-/// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::WithoutProgram`], which [`assign_programs`] handles.
+/// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::WithoutProgram`], which
+/// [`assign_programs`] handles.
 fn select_robots(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Precedence, Vec<usize>), OptionError> {
     match selector {
         RobotSelector::WithoutProgram => Ok((Precedence::Type, Vec::new())),
@@ -360,8 +361,8 @@ fn read_costs(path: &Path) -> Result<(Costs, Option<InputFile>), OptionError> {
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
-/// The text of a file, or of this process's standard input for `-`, read to its end, and the file; for `typed` the lines that the user
-/// types.
+/// The text of a file, or of this process's standard input for `-`, read to its end, and the file; for `typed` the
+/// lines that the user types.
 fn read_stdin(path: &Path) -> Result<(Source, Option<InputFile>), OptionError> {
     if path.as_os_str() == TYPED {
         return Ok((Source::Typed, None));

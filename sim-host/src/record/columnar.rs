@@ -1,5 +1,5 @@
-//! The trace as a table in Parquet: a row for each line of the trace in JSON lines but the first, a column for each name of a field. Its
-//! schema is described in `docs/trace.md`.
+//! The trace as a table in Parquet: a row for each line of the trace in JSON lines but the first, a column for each
+//! name of a field. Its schema is described in `docs/trace.md`.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};

@@ -26,8 +26,8 @@ pub struct ExpectedFile {
 }
 
 impl RecordFile {
-    /// Creates the file at `path`, or empties it. All writes append, so that a file that is truncated during the run is too
-    /// short at the end.
+    /// Creates the file at `path`, or empties it. All writes append, so that a file that is truncated during the run is
+    /// too short at the end.
     ///
     /// # Errors
     /// The file cannot be created or emptied.

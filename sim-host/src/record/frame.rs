@@ -86,8 +86,8 @@ impl Pixels<'_> {
 pub struct StoredScan {
     /// Pose of the scanner.
     pub world_from_scanner: Pose3,
-    /// Bearings of the first and the last ray, counter-clockwise from the scanner's forward direction in its plane, rad;
-    /// the rays between are evenly spaced.
+    /// Bearings of the first and the last ray, counter-clockwise from the scanner's forward direction in its plane,
+    /// rad; the rays between are evenly spaced.
     pub bearings: [f64; 2],
     /// Distance measured by each ray, m; none if nothing is within range.
     pub metres: Vec<Option<f64>>,

@@ -14,8 +14,8 @@ pub struct HintLocations(Arc<Mutex<BTreeMap<RobotId, BTreeMap<String, String>>>>
 const MAX_LOCATIONS: usize = 200;
 
 impl HintLocations {
-    /// Stores that the hint `text` for the program of `robot` refers to `location`, such as `maze.c:12`. A stored location is
-    /// not replaced.
+    /// Stores that the hint `text` for the program of `robot` refers to `location`, such as `maze.c:12`. A stored
+    /// location is not replaced.
     pub(crate) fn note(&self, robot: RobotId, text: &str, location: String) {
         let mut robots = self.0.lock();
         let locations = robots.entry(robot).or_default();

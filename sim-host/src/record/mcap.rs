@@ -94,7 +94,8 @@ impl Mcap {
 
     fn new(out: Box<dyn Output>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
         let InitialContents { seed, slot, scene, robots, objects, frames } = contents;
-        // Compression would need a system library; chunks are written as a whole, so that the output need not be seekable.
+        // Compression would need a system library; chunks are written as a whole, so that the output need not be
+        // seekable.
         let options = WriteOptions::new()
             .compression(None)
             .disable_seeking(true)

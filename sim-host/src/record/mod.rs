@@ -1,7 +1,7 @@
 //! Output of a run: trace, report, recordings, pictures and the lines on the terminal.
 //!
-//! Each output is a [`Sink`] of the simulation's records. Sinks do not influence a run: its events and its digest are equal with
-//! and without sinks.
+//! Each output is a [`Sink`] of the simulation's records. Sinks do not influence a run: its events and its digest are
+//! equal with and without sinks.
 
 #[cfg(feature = "parquet")]
 mod columnar;

@@ -25,8 +25,8 @@ const MAX_REMARKS: usize = 20;
 /// Prefix of a line that reports a metric of a program.
 const METRIC: &str = "METRIC ";
 
-/// Sink that collects the instants of contacts, the hints, calls of forbidden functions, and the metrics that programs print: lines
-/// `METRIC name=value`.
+/// Sink that collects the instants of contacts, the hints, calls of forbidden functions, and the metrics that programs
+/// print: lines `METRIC name=value`.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,

@@ -1,4 +1,5 @@
-//! Tables as Apache Parquet: data analysis tools read typed columns from such files. Written in groups of rows, in bounded memory.
+//! Tables as Apache Parquet: data analysis tools read typed columns from such files. Written in groups of rows, in
+//! bounded memory.
 
 use std::io::{self, Write};
 use std::mem;
@@ -108,7 +109,8 @@ impl<W: Write + Send> TableWriter<W> {
         values.push(number);
     }
 
-    /// Sets a cell of the type [`Type::Integer`], or [`Type::Count`] if `integer` holds the bits of an unsigned integer.
+    /// Sets a cell of the type [`Type::Integer`], or [`Type::Count`] if `integer` holds the bits of an unsigned
+    /// integer.
     pub fn integer(&mut self, column: usize, integer: i64) {
         let Values::Integers(values) = self.define(column) else { unreachable!("no column of integers") };
         values.push(integer);

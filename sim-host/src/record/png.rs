@@ -26,8 +26,8 @@ pub fn grey16(size: [u32; 2], levels: &[u16]) -> Vec<u8> {
     encode(size, ColorType::Grayscale, BitDepth::Sixteen, None, &bytes)
 }
 
-/// Encodes a label of each pixel. If no label exceeds 255, labels are indices into a palette of distinct colours, a common
-/// format of segmented images (for example of PASCAL VOC). Otherwise labels are grey levels of 16 bits.
+/// Encodes a label of each pixel. If no label exceeds 255, labels are indices into a palette of distinct colours, a
+/// common format of segmented images (for example of PASCAL VOC). Otherwise labels are grey levels of 16 bits.
 pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     let indices: Option<Vec<u8>> = labels.iter().map(|label| u8::try_from(*label).ok()).collect();
     match indices {

@@ -169,11 +169,13 @@ pub struct RobotReport {
     pub path_m: f64,
     /// Number of contacts that began.
     pub contacts: u64,
-    /// Instants at which the first [`MAX_CONTACT_TIMES`](super::notes::MAX_CONTACT_TIMES) contacts of the trace began, s.
+    /// Instants at which the first [`MAX_CONTACT_TIMES`](super::notes::MAX_CONTACT_TIMES) contacts of the trace began,
+    /// s.
     pub contact_times_s: Vec<f64>,
     /// The first [`MAX_HINTS`](super::notes::MAX_HINTS) hints for the robot's program.
     pub hints: Vec<HintReport>,
-    /// Last values of the metrics that the program printed, by name. No check uses them, since the program could print any value.
+    /// Last values of the metrics that the program printed, by name. No check uses them, since the program could print
+    /// any value.
     pub metrics: BTreeMap<String, f64>,
     /// Number of the program's calls of each forbidden function, by name.
     pub forbidden_calls: BTreeMap<String, u64>,

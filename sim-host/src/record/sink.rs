@@ -147,7 +147,8 @@ impl<'s> Sinks<'s> {
         self.end_slot(end, (has_changed && self.needs_digests).then(|| recorder.update_digest()))
     }
 
-    /// Completes the record at the end of the run, `time`; returns the digest, and the error if the record is incomplete.
+    /// Completes the record at the end of the run, `time`; returns the digest, and the error if the record is
+    /// incomplete.
     pub fn finish_record(&mut self, recorder: &mut Recorder, time: Time) -> (Digest, Result<(), RecordError>) {
         let ended = self.take_slot(recorder, time);
         let digest = recorder.digest();

@@ -1,4 +1,5 @@
-//! Records in a compact form, which can be passed to a sink later. Storing them takes a fraction of the time of writing JSON lines.
+//! Records in a compact form, which can be passed to a sink later. Storing them takes a fraction of the time of writing
+//! JSON lines.
 
 use std::io;
 

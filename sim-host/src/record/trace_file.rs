@@ -1,7 +1,7 @@
 //! Trace that a thread of its own writes to a file, while the run goes on.
 //!
-//! The run hands over its slots in batches through a bounded queue. If the writer is so far behind that the queue and a batch are full,
-//! the run waits: no record is dropped, and memory is bounded. Nothing of this influences the record.
+//! The run hands over its slots in batches through a bounded queue. If the writer is so far behind that the queue and a
+//! batch are full, the run waits: no record is dropped, and memory is bounded. Nothing of this influences the record.
 
 use std::io;
 use std::mem;
@@ -39,7 +39,8 @@ static DRAINING: AtomicUsize = AtomicUsize::new(0);
 /// A batch was written while a trace waited for it.
 static HAS_DRAINED: AtomicBool = AtomicBool::new(false);
 
-/// Returns true if a trace waits for its last batches and a batch has been written since the last call. Async-signal-safe.
+/// Returns true if a trace waits for its last batches and a batch has been written since the last call.
+/// Async-signal-safe.
 pub fn has_drained() -> bool {
     HAS_DRAINED.swap(false, Ordering::AcqRel)
 }
@@ -51,7 +52,8 @@ pub fn is_all_written() -> bool {
 
 /// Sink that writes a trace to a file on a thread of its own.
 ///
-/// Dropped before [`Sink::finish`], it still writes what it has taken. An error of the writer is returned by one of the next calls.
+/// Dropped before [`Sink::finish`], it still writes what it has taken. An error of the writer is returned by one of the
+/// next calls.
 pub struct TraceFile {
     path: PathBuf,
     kinds: KindSet,
@@ -59,7 +61,8 @@ pub struct TraceFile {
     batch: Vec<u8>,
     /// The queue to the writer; `None` after its end.
     queue: Option<Sender<Batch>>,
-    /// Result of the writer, which it sends at its end. The thread is not joined: its end may wait for a lock that a broken program holds.
+    /// Result of the writer, which it sends at its end. The thread is not joined: its end may wait for a lock that a
+    /// broken program holds.
     outcome: Receiver<Result<(), RecordError>>,
     expected_file: Option<Arc<ExpectedFile>>,
 }
@@ -68,8 +71,8 @@ pub struct TraceFile {
 struct Batch(Vec<u8>);
 
 impl TraceFile {
-    /// Creates the file `path`, or empties it, and begins its trace: columns if the name ends with `.parquet`, else JSON lines, which are
-    /// compressed if it ends with `.zst`.
+    /// Creates the file `path`, or empties it, and begins its trace: columns if the name ends with `.parquet`, else
+    /// JSON lines, which are compressed if it ends with `.zst`.
     ///
     /// # Errors
     /// [`RecordError::Write`] if the file cannot be written, or the system has no thread left.

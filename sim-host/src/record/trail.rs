@@ -87,7 +87,8 @@ impl Trail {
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
-    /// The open segment, extended to the position at `offset` from its corner; [`CornerNeeded`] if the segment cannot pass this position.
+    /// The open segment, extended to the position at `offset` from its corner; [`CornerNeeded`] if the segment cannot
+    /// pass this position.
     fn extend_segment(&self, offset: DVec2) -> Result<Option<Sector>, CornerNeeded> {
         let distance = math::hypot(offset.x, offset.y);
         let Some(sector) = self.segment else {

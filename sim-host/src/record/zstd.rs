@@ -16,7 +16,8 @@ pub fn frame(text: &[u8]) -> Vec<u8> {
     compress_to_vec(text, CompressionLevel::Fastest)
 }
 
-/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is omitted unless it is the only one.
+/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is omitted unless it is
+/// the only one.
 pub struct Frames<R> {
     input: R,
     decoder: FrameDecoder,

@@ -1,7 +1,8 @@
 //! Layers that a robot's program shows: the calls `show_grid`, `show_points` and `show_line`.
 //!
-//! Limits and the meaning of cells are those of [`robios_sys::support::layer`] (our choice; cells as in `nav_msgs/OccupancyGrid` of
-//! ROS). Nothing in the simulation depends on a layer, and layers are not events of the run.
+//! Limits and the meaning of cells are those of [`robios_sys::support::layer`] (our choice; cells as in
+//! `nav_msgs/OccupancyGrid` of ROS). Nothing in the simulation depends on a layer, and layers are not events of the
+//! run.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

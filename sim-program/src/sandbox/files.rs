@@ -42,8 +42,8 @@ const SYSTEM_FILES: [&str; 14] = [
 /// Devices that any process may write to.
 const DEVICES: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
 
-/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder, neither by `..`
-/// nor by an absolute name nor by a link. Does not wait for the other end of a pipe.
+/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder, neither by
+/// `..` nor by an absolute name nor by a link. Does not wait for the other end of a pipe.
 ///
 /// # Errors
 /// Errors of the system, also for a name that leads out of the folder.
@@ -55,8 +55,8 @@ pub fn open_beneath(folder: &Path, name: &Path) -> io::Result<File> {
     how.flags = (libc::O_RDONLY | libc::O_CLOEXEC | libc::O_NONBLOCK) as u64;
     how.resolve = libc::RESOLVE_BENEATH | libc::RESOLVE_NO_MAGICLINKS;
     let size = size_of_val(&how);
-    // SAFETY: the descriptor is open, the name ends in 0, the arguments have their size; a descriptor that is not negative is new and has
-    // no other owner.
+    // SAFETY: the descriptor is open, the name ends in 0, the arguments have their size; a descriptor that is not
+    // negative is new and has no other owner.
     unsafe {
         match libc::syscall(libc::SYS_openat2, folder.as_raw_fd(), name.as_ptr(), &raw const how, size) {
             file if file >= 0 => Ok(File::from_raw_fd(file as i32)),

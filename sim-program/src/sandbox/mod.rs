@@ -229,8 +229,8 @@ impl Sandbox {
 /// Environment variables that a restricted process inherits.
 const INHERITED_VARIABLES: [&str; 6] = ["PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "TERM"];
 
-/// Reduces the environment of `command` to the variables that were set on it, the [inherited ones](INHERITED_VARIABLES), and the
-/// scratch folder as home.
+/// Reduces the environment of `command` to the variables that were set on it, the
+/// [inherited ones](INHERITED_VARIABLES), and the scratch folder as home.
 fn replace_environment(command: &mut Command, scratch: &Path) {
     let set: Vec<(OsString, OsString)> =
         command.get_envs().filter_map(|(name, value)| Some((name.to_owned(), value?.to_owned()))).collect();

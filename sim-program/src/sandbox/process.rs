@@ -25,7 +25,8 @@ pub(super) struct Restriction {
     pub calls: Vec<Vec<sock_filter>>,
 }
 
-/// User of a restricted process that root starts, since limits on processes and permissions of files do not apply to root.
+/// User of a restricted process that root starts, since limits on processes and permissions of files do not apply to
+/// root.
 ///
 /// The user id is otherwise unused, and unique because it is derived from the id of a living process: the program's
 /// process or, for the compilers of one host, which share a folder, the host's process. Programs and their data may lie
@@ -61,8 +62,8 @@ impl User {
         unsafe {
             let id = FIRST_USER + self.source_process.unwrap_or_else(|| libc::getpid().cast_unsigned());
             check(libc::chown(self.scratch.as_ptr(), id, id))?;
-            // With this flag the change of the user keeps capabilities, and `access`, with which gcc checks its temporary
-            // folder, takes them into account.
+            // With this flag the change of the user keeps capabilities, and `access`, with which gcc checks its
+            // temporary folder, takes them into account.
             check(libc::prctl(libc::PR_SET_SECUREBITS, SECBIT_NO_SETUID_FIXUP, 0, 0, 0))?;
             check(libc::setgroups(0, std::ptr::null()))?;
             check(libc::setresgid(id, id, id))?;
@@ -126,7 +127,8 @@ fn close_descriptors() -> io::Result<()> {
     check(result as i32)
 }
 
-/// Adds the process's own folder in /proc, whose number is known only now, and enters Landlock's rules. Async-signal-safe.
+/// Adds the process's own folder in /proc, whose number is known only now, and enters Landlock's rules.
+/// Async-signal-safe.
 fn restrict_files(rules: &OwnedFd) -> io::Result<()> {
     /// `struct landlock_path_beneath_attr` of <linux/landlock.h>.
     #[repr(C, packed)]
@@ -137,7 +139,8 @@ fn restrict_files(rules: &OwnedFd) -> io::Result<()> {
     /// The right to read files, and to list folders.
     const READ: u64 = 1 << 2 | 1 << 3;
     const RULE_PATH_BENEATH: u32 = 1;
-    // SAFETY: the path ends in 0, the rule is valid for the length of its call; the kernel closes the descriptor at exec.
+    // SAFETY: the path ends in 0, the rule is valid for the length of its call; the kernel closes the descriptor at
+    // exec.
     unsafe {
         let folder = libc::open(c"/proc/self".as_ptr(), libc::O_PATH | libc::O_CLOEXEC);
         if folder >= 0 {

@@ -1,8 +1,9 @@
 //! Protocol between server and page: JSON texts over a WebSocket, documented in `docs/window.md`.
 //!
-//! Lengths are in metres, angles in radians, times in seconds, each with its unit in its name. In the world, seen from above, x points to
-//! the right and y to the top; z is the height above the floor. Colours are red, green and blue from 0 to 255. The page's types
-//! (`page/src/protocol/`) are generated from these types by the tests of this crate with `INSTA_UPDATE=always`.
+//! Lengths are in metres, angles in radians, times in seconds, each with its unit in its name. In the world, seen from
+//! above, x points to the right and y to the top; z is the height above the floor. Colours are red, green and blue from
+//! 0 to 255. The page's types (`page/src/protocol/`) are generated from these types by the tests of this crate with
+//! `INSTA_UPDATE=always`.
 
 mod action;
 mod event;

@@ -46,8 +46,8 @@ pub struct RobotHistory {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Track {
-    /// Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the first point the body is
-    /// not in the world; after the last it stays there.
+    /// Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the
+    /// first point the body is not in the world; after the last it stays there.
     pub t_s: Vec<f64>,
     /// World coordinates to the right, one for each time.
     pub x_m: Vec<f64>,

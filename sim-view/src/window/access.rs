@@ -51,9 +51,9 @@ fn equals_in_constant_time(secret: &str, given: &str) -> bool {
 
 /// Reason for refusing a request before it is processed; `None` if it is allowed.
 ///
-/// `Host` must be one of the served addresses or `localhost`: an attacker can make another name resolve to this server (DNS rebinding), but
-/// not an address. A request made by a page of another origin is refused. A WebSocket request (`is_socket`) must name its origin, since
-/// only pages make such a request.
+/// `Host` must be one of the served addresses or `localhost`: an attacker can make another name resolve to this server
+/// (DNS rebinding), but not an address. A request made by a page of another origin is refused. A WebSocket request
+/// (`is_socket`) must name its origin, since only pages make such a request.
 pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) -> Option<String> {
     let Some(host) = text(headers, header::HOST) else {
         return Some("the request has no `Host`".into());

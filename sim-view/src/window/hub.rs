@@ -310,8 +310,8 @@ impl Commands {
         lock(&self.hub.inbox).commands.pop_front()
     }
 
-    /// Takes the next command, waiting at most for `timeout`. Also returns `None` when [`looks`](super::Window::looks) has changed
-    /// or after [`wake`](Self::wake).
+    /// Takes the next command, waiting at most for `timeout`. Also returns `None` when [`looks`](super::Window::looks)
+    /// has changed or after [`wake`](Self::wake).
     #[must_use]
     pub fn recv_timeout(&self, timeout: Duration) -> Option<PendingCommand> {
         let until = Instant::now() + timeout;
@@ -351,8 +351,8 @@ pub(super) struct SentVersions {
 }
 
 impl SentVersions {
-    /// Forgets the detail and the layers, so that they are sent again, with the display: the page has selected another robot or a new
-    /// run began.
+    /// Forgets the detail and the layers, so that they are sent again, with the display: the page has selected another
+    /// robot or a new run began.
     pub(super) fn forget_detail(&mut self) {
         self.detail = 0;
         self.lcd = None;

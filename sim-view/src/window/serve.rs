@@ -30,10 +30,11 @@ use crate::page::Page;
 
 /// Maximum number of pages served at a time.
 const MAX_PAGES: usize = 64;
-/// Maximum number of pages of one address, so that no machine occupies the whole server. A class behind one router shares this limit; it
-/// does not apply to this machine.
+/// Maximum number of pages of one address, so that no machine occupies the whole server. A class behind one router
+/// shares this limit; it does not apply to this machine.
 const MAX_PAGES_OF_ADDRESS: usize = 48;
-/// Maximum number of pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
+/// Maximum number of pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page
+/// gets an HTTP error.
 const MAX_REFUSED: usize = 32;
 /// Maximum number of connections that are not pages yet; a new connection replaces the oldest one of the address with
 /// the most connections.
@@ -170,7 +171,8 @@ async fn accept(listener: TcpListener, routes: Router) {
     }
 }
 
-/// Index of the oldest connection of the address with the most connections; `addresses` go from the oldest to the newest connection.
+/// Index of the oldest connection of the address with the most connections; `addresses` go from the oldest to the
+/// newest connection.
 fn connection_to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
     addresses.clone().for_each(|address| *counts.entry(address).or_default() += 1);
@@ -247,7 +249,8 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     let Some(Download { media_type, content }) = found else {
         return (StatusCode::NOT_FOUND, "there is no such file").into_response();
     };
-    // Some downloads are large: only a few are generated at a time, and the permit is held even if the client has disconnected.
+    // Some downloads are large: only a few are generated at a time, and the permit is held even if the client has
+    // disconnected.
     let Ok(permit) = Arc::clone(&server.generation_permits).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
     };

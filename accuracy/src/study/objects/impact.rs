@@ -13,7 +13,8 @@ pub struct Impact {
     pub contact_distance: f64,
     /// Speed of the moving disc along x, m/s.
     pub speed: f64,
-    /// Impact parameter: lateral distance of the resting disc's centre from the path of the moving disc, positive to the left, m.
+    /// Impact parameter: lateral distance of the resting disc's centre from the path of the moving disc, positive to
+    /// the left, m.
     pub offset: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
@@ -36,7 +37,8 @@ impl Impact {
         [DVec2::new(self.speed, 0.0) - normal * (impulse / moving_mass), normal * (impulse / resting_mass)]
     }
 
-    /// Positions of both centres `seconds` after the start, with the resting disc at the origin and the moving one at x = -`distance`.
+    /// Positions of both centres `seconds` after the start, with the resting disc at the origin and the moving one at x
+    /// = -`distance`.
     pub fn positions(&self, distance: f64, seconds: f64) -> [DVec2; 2] {
         let contact_position = -self.normal() * self.contact_distance;
         let after_contact = seconds - (distance + contact_position.x) / self.speed;
@@ -52,9 +54,9 @@ pub fn stopping_distance(speed: f64, coefficient: f64) -> f64 {
 
 /// Distance and angle that a sliding and spinning disc covers until it is at rest.
 ///
-/// docs/motion.md: dv/dt = -a v / l and dw/dt = -8/9 a w / l, with l^2 = v^2 + q^2 w^2, q^2 = 8/9 k^2 (k: radius of gyration) and
-/// a = `coefficient` g. With p = q w this gives p = c v^(8/9). The distance is the integral of l / a over v, the angle that of
-/// (w / v) l / a. With v = s^9 both integrands are smooth, for Simpson's rule.
+/// docs/motion.md: dv/dt = -a v / l and dw/dt = -8/9 a w / l, with l^2 = v^2 + q^2 w^2, q^2 = 8/9 k^2 (k: radius of
+/// gyration) and a = `coefficient` g. With p = q w this gives p = c v^(8/9). The distance is the integral of l / a over
+/// v, the angle that of (w / v) l / a. With v = s^9 both integrands are smooth, for Simpson's rule.
 pub fn slide_and_turn(speed: f64, omega: f64, radius: f64, coefficient: f64) -> (f64, f64) {
     const INTERVALS: u32 = 2_000;
     let q = (8.0_f64 / 9.0 * 0.5).sqrt() * radius;

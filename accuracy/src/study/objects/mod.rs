@@ -1,5 +1,5 @@
-//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, compared with closed forms and with short steps of
-//! the solver.
+//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, compared with closed forms and
+//! with short steps of the solver.
 
 mod case;
 mod impact;
@@ -62,8 +62,8 @@ fn rows(study: &'static str, cases: fn(usize) -> Vec<Case>, effort: Effort) -> V
     (0..starts[0].len()).flat_map(case_rows).collect()
 }
 
-/// Rows of a trial without a closed form. The error is the distance of the first object's end position from that with the shortest steps,
-/// relative to its path.
+/// Rows of a trial without a closed form. The error is the distance of the first object's end position from that with
+/// the shortest steps, relative to its path.
 fn self_referenced(trial: &Trial, effort: Effort) -> Vec<Row> {
     let end_position = |step| trial.run(step).0.state(ObjectId(1)).world_from_object.position;
     let [longer @ .., shortest] = STEPS;

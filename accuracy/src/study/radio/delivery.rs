@@ -61,7 +61,8 @@ fn length(bytes: usize) -> String {
     if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") }
 }
 
-/// Expected fraction of intact messages: (1 - P_p) (1 - P_b)^(8 n), for packet loss P_p, bit error rate P_b and n bytes.
+/// Expected fraction of intact messages: (1 - P_p) (1 - P_b)^(8 n), for packet loss P_p, bit error rate P_b and n
+/// bytes.
 fn expected(errors: RadioNoise, bytes: usize) -> f64 {
     (1.0 - errors.packet_loss) * exp(8.0 * bytes as f64 * ln_1p(-errors.bit_error_rate))
 }

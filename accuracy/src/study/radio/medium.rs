@@ -46,7 +46,8 @@ pub fn aloha(effort: Effort) -> Part {
 
 /// Waiting time of messages for the token.
 ///
-/// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message per visit, Poisson arrivals.
+/// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message per visit,
+/// Poisson arrivals.
 pub fn token_ring(effort: Effort) -> Part {
     let air = air_time(BYTES, BAUD);
     let (mut rows, mut points, mut curves) = (Vec::new(), Vec::new(), Vec::new());
@@ -80,8 +81,8 @@ pub fn token_ring(effort: Effort) -> Part {
     Part { rows, picture }
 }
 
-/// Mean wait in a ring of `stations`, s. The service time is the air time of a message minus that of a token frame, since
-/// a token frame is sent from each station to the next in any case.
+/// Mean wait in a ring of `stations`, s. The service time is the air time of a message minus that of a token frame,
+/// since a token frame is sent from each station to the next in any case.
 fn expected_wait(stations: u32, load: f64) -> f64 {
     let frame = air_time(0, BAUD).seconds();
     let service = air_time(BYTES, BAUD).seconds() - frame;
@@ -90,9 +91,9 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
     (rate * service * service + frame * (f64::from(stations) + busy)) / (2.0 * (1.0 - load))
 }
 
-/// Messages at random times with the offered load `load`, the mean number of messages in the air time of one message. In a
-/// token ring each message goes from a random station to the next one. On other media the robots from 2 on send in turn to
-/// robot 1.
+/// Messages at random times with the offered load `load`, the mean number of messages in the air time of one message.
+/// In a token ring each message goes from a random station to the next one. On other media the robots from 2 on send in
+/// turn to robot 1.
 pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<OutgoingMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;
@@ -110,8 +111,8 @@ pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Ou
     (1..=count as u64).map(message).collect()
 }
 
-/// Sends `traffic` through a channel on which the stations 1 to `receivers` listen. Returns the time of sending and the delivery of
-/// each message, in the order of sending.
+/// Sends `traffic` through a channel on which the stations 1 to `receivers` listen. Returns the time of sending and the
+/// delivery of each message, in the order of sending.
 pub fn exchange(medium: Medium, receivers: u32, slot: Time, traffic: &[OutgoingMessage]) -> Vec<(Time, Delivery)> {
     let mut channel = channel(medium, RadioNoise::default(), receivers);
     let mut deliveries = BTreeMap::new();

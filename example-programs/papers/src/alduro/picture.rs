@@ -27,7 +27,8 @@ pub struct Panel<'a> {
     pub paths: Vec<(&'a str, Vec<(f64, f64)>)>,
 }
 
-/// Maps of the square from (0, 0) to (`side`, `side`), m, each `pixels` wide, all with the colours of heights from `low` to `high`, m.
+/// Maps of the square from (0, 0) to (`side`, `side`), m, each `pixels` wide, all with the colours of heights from
+/// `low` to `high`, m.
 pub fn maps(side: f64, pixels: usize, (low, high): (f64, f64), panels: &[Panel<'_>]) -> anyhow::Result<Picture> {
     let (size, step) = (pixels as f64, pixels as f64 + ROOM);
     let columns = panels.len().min(2);

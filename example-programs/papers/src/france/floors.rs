@@ -1,7 +1,8 @@
 //! Range sensors of a biped that walks over holes, stairs and uneven floor: their number and their places.
 //!
-//! Section 7 of the paper names the placement of few sensors as the next step. The walk does not depend on the sensors, so each walk is
-//! simulated once, and the readings of each placement are computed from its true postures with the simulator's sensor model.
+//! Section 7 of the paper names the placement of few sensors as the next step. The walk does not depend on the sensors,
+//! so each walk is simulated once, and the readings of each placement are computed from its true postures with the
+//! simulator's sensor model.
 
 mod course;
 mod placement;
@@ -19,7 +20,8 @@ use crate::alduro::on_two_threads;
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::Job;
 
-/// First seeds of training and held-out floors for the seed 1; those of another seed are farther by a multiple of 100,000.
+/// First seeds of training and held-out floors for the seed 1; those of another seed are farther by a multiple of
+/// 100,000.
 const TRAINING: u64 = 340_000;
 const HELD_OUT: u64 = 345_000;
 const APART: u64 = 100_000;
@@ -29,14 +31,14 @@ const SEEDS: usize = 50;
 /// Rules of a search; one evaluation is one seed, with its three floors, and one setting.
 const SEARCH: Search = Search { cases: SEEDS, few: 12, budget: 3000, first: 8 };
 const GAIN: f64 = 0.005;
-/// Tilts from which the searches begin, degrees. Search k begins with tilt k at the first sensor; the tilts of the others are each one
-/// further in the list, in later rounds through the list two, three and four.
+/// Tilts from which the searches begin, degrees. Search k begins with tilt k at the first sensor; the tilts of the
+/// others are each one further in the list, in later rounds through the list two, three and four.
 const TILTS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 75.0, 90.0];
 const SEARCHES: usize = 4 * TILTS.len();
 const NAMES: [[&str; 2]; SENSORS] = [["below 1", "tilt 1"], ["below 2", "tilt 2"], ["below 3", "tilt 3"]];
 
-/// Decision: one more sensor is worth its place if the error falls by at least this share of the error without it, and the interval of the
-/// difference excludes 0.
+/// Decision: one more sensor is worth its place if the error falls by at least this share of the error without it, and
+/// the interval of the difference excludes 0.
 const WORTH: f64 = 0.05;
 /// Tolerance of the program's profile and of readings that are computed from the trace, m.
 const EXACT: f64 = 0.01;
@@ -70,8 +72,8 @@ enum Kind {
 }
 
 impl Method {
-    /// No sensor, the scene's, one at the height of the hips, and one to three sensors at all places; of two mirrored placements only the
-    /// first.
+    /// No sensor, the scene's, one at the height of the hips, and one to three sensors at all places; of two mirrored
+    /// placements only the first.
     fn all() -> Vec<Self> {
         let method = |kind, places: &[Place]| Self { places: places.to_vec(), kind };
         let mut all =
@@ -296,7 +298,8 @@ pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// Computes the rows of the first two held-out seeds in the table of all errors again, from the table of exact settings.
+/// Computes the rows of the first two held-out seeds in the table of all errors again, from the table of exact
+/// settings.
 ///
 /// # Errors
 /// A table without settings for all methods; a scene that does not run to its end.

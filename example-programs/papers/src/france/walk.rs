@@ -1,4 +1,5 @@
-//! One walk of the biped through the dining room: the sensor's readings, the profile that the program computed, and the true motion.
+//! One walk of the biped through the dining room: the sensor's readings, the profile that the program computed, and the
+//! true motion.
 
 use std::sync::Arc;
 

@@ -15,7 +15,8 @@ const BARS: usize = 10;
 /// Maximum number of submissions in the list of the slowest.
 const MAX_SLOWEST: usize = 10;
 
-/// Returns the page of the class: distribution of the points, submissions, checks, groups of equal behaviour, slowest submissions.
+/// Returns the page of the class: distribution of the points, submissions, checks, groups of equal behaviour, slowest
+/// submissions.
 pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
     let title = title(grader);
     let mut html = head(&format!("{title}: eyesim grade"), STYLE);

@@ -223,7 +223,8 @@ impl Scanner<'_> {
         }
     }
 
-    /// Returns true at the start of a line that looks like a header or a key, so that an unfinished array or table ends before it.
+    /// Returns true at the start of a line that looks like a header or a key, so that an unfinished array or table ends
+    /// before it.
     fn begins_statement(&self) -> bool {
         let is_first = self.position == 0 || self.text[..self.position].ends_with('\n');
         let line = self.text[self.position..].lines().next().unwrap_or_default();

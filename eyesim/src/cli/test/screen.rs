@@ -328,8 +328,8 @@ fn no_cases_message(runs: &[SuiteRun]) -> String {
     format!("no cases ran{}", cases.map(range).unwrap_or_default())
 }
 
-/// The failures, grouped: cases that could not be run for the same reason form one group, and so do cases of a variant in
-/// which the same checks and the same programs failed.
+/// The failures, grouped: cases that could not be run for the same reason form one group, and so do cases of a variant
+/// in which the same checks and the same programs failed.
 fn grouped_failures(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     let mut failures: Vec<Failure<'_>> = Vec::new();
     for run in runs {

@@ -301,7 +301,8 @@ fn draw_wheels(builder: &mut MeshBuilder, robi: &RobiSpec, hull: &Hull) {
         builder.cuboid(&at, size, chassis);
     }
     if robi.drive.kind == DriveKind::Differential {
-        // A castor is at each end that is far from the axle; a robot with its axle in the middle has castors at both ends.
+        // A castor is at each end that is far from the axle; a robot with its axle in the middle has castors at both
+        // ends.
         let has_rear_castor = axles.x > hull.centre.x - 0.2 * hull.half_size.x;
         let has_front_castor = axles.x < hull.centre.x + 0.2 * hull.half_size.x;
         let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half_size.min_element());
@@ -334,7 +335,8 @@ fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     Arc::new(Texture::new(SIZE, SIZE, pixels).expect("the number of pixels matches the size"))
 }
 
-/// Draws the camera at its mount, with its servos in mid-range. A camera inside the hull is drawn on the hull's outline.
+/// Draws the camera at its mount, with its servos in mid-range. A camera inside the hull is drawn on the hull's
+/// outline.
 fn draw_camera(builder: &mut MeshBuilder, camera: &CameraSpec, hull: &Hull, diameter: f64) {
     let middle = |joint: &JointSpec| match joint {
         JointSpec::Fixed(angle) => *angle,

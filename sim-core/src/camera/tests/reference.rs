@@ -100,8 +100,8 @@ fn cast(posed: &PosedScenery, eye: DVec3, ray: DVec3, observer: Option<RobotId>)
     best
 }
 
-/// Intersection of the ray with the plane of a triangle: distance and barycentric coordinates. `None` if it is behind the
-/// eye.
+/// Intersection of the ray with the plane of a triangle: distance and barycentric coordinates. `None` if it is behind
+/// the eye.
 fn intersect_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64; 3])> {
     let normal = (b - a).cross(c - a);
     let distance = normal.dot(a - eye) / normal.dot(ray);

@@ -8,10 +8,11 @@ const ALOHA: RadioModel =
     RadioModel { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 
 /// Fraction of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval.
-/// Messages begin at random instants (Poisson), each from another robot; on average `g` messages begin in the air time of one.
+/// Messages begin at random instants (Poisson), each from another robot; on average `g` messages begin in the air time
+/// of one.
 ///
-/// Outcomes of neighbouring messages are correlated, so the variance is that of the means of batches, which are much longer than
-/// the correlation.
+/// Outcomes of neighbouring messages are correlated, so the variance is that of the means of batches, which are much
+/// longer than the correlation.
 fn received_fraction(g: f64, slot: Time) -> (f64, f64) {
     const BATCHES: usize = 200;
     const BATCH: usize = 500;

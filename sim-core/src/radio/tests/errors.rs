@@ -52,7 +52,8 @@ fn wrong_bits(arrived: &Arrived) -> Vec<u16> {
     wrong
 }
 
-/// p-values of a sample under the hypothesis of independent bit errors with probability `p`, each with the name of its test.
+/// p-values of a sample under the hypothesis of independent bit errors with probability `p`, each with the name of its
+/// test.
 fn p_values(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     let bits = (messages.len() * BITS) as u64;
     let wrong_positions = || messages.iter().flatten();

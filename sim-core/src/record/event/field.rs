@@ -3,7 +3,8 @@
 use crate::record::Action;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// State of a robot's program at the end of a run. Digests depend on the order of the variants: add new ones at the end.
+/// State of a robot's program at the end of a run. Digests depend on the order of the variants: add new ones at the
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {

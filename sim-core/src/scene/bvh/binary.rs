@@ -29,8 +29,8 @@ struct Subtree {
 struct Collapse {
     /// Expected cost if the subtree becomes at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
-    /// Number of children from the left subtree if the subtree becomes at most 2, 3, ... 8 children; 0 if one child fewer in
-    /// total costs no more.
+    /// Number of children from the left subtree if the subtree becomes at most 2, 3, ... 8 children; 0 if one child
+    /// fewer in total costs no more.
     left_parts: [usize; WIDTH - 1],
     /// True if the subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
@@ -70,7 +70,8 @@ impl Binary {
         &self.order[self.subtrees[root].range.clone()]
     }
 
-    /// Splits the subtree `root` into at most `parts` subtrees, the children of a wide node, and appends them to `children`.
+    /// Splits the subtree `root` into at most `parts` subtrees, the children of a wide node, and appends them to
+    /// `children`.
     pub fn split(&self, root: usize, parts: usize, children: &mut Vec<usize>) {
         let Some(left) = self.subtrees[root].left.filter(|_| parts > 1) else {
             children.push(root);
@@ -127,8 +128,8 @@ impl Subtree {
     }
 }
 
-/// Partitions `order` in two non-empty parts at the lowest expected cost, and returns the size of the first part. If the
-/// middles of all boxes coincide, both parts have the same number of boxes.
+/// Partitions `order` in two non-empty parts at the lowest expected cost, and returns the size of the first part. If
+/// the middles of all boxes coincide, both parts have the same number of boxes.
 ///
 /// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {

@@ -27,8 +27,8 @@ pub struct MeshHit {
     pub distance: f64,
     /// Number of the triangle; among triangles at the same distance, the lowest.
     pub triangle: u32,
-    /// Unit normal of the triangle on the side from which the ray comes. For a ray in the triangle's plane, the normal on the
-    /// side from which its corners are counter-clockwise.
+    /// Unit normal of the triangle on the side from which the ray comes. For a ray in the triangle's plane, the normal
+    /// on the side from which its corners are counter-clockwise.
     pub normal: DVec3,
 }
 

@@ -49,8 +49,8 @@ impl TreeTransform {
         (point - self.centre) * self.scale
     }
 
-    /// Point at which the ray enters the bounds; its origin if that lies within the bounds. `None` if the ray misses the
-    /// bounds or ends before them. `reciprocal` is the reciprocal of the direction.
+    /// Point at which the ray enters the bounds; its origin if that lies within the bounds. `None` if the ray misses
+    /// the bounds or ends before them. `reciprocal` is the reciprocal of the direction.
     pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<RayEntry> {
         let offset = origin - self.centre;
         // The second term exceeds the rounding of the computations below.

@@ -10,8 +10,9 @@ impl HeightField {
     /// Distance of a segment from the ground, in metres; 0 if they touch. If a part of the segment is below the ground,
     /// the result is the negative of its maximum depth.
     ///
-    /// `ends` are in the world frame. A distance up to `max_distance` is exact; a larger one gives `max_distance`. Outside
-    /// the field's rectangle, the result is the height above the nearest point of its border. NaN if a coordinate is NaN.
+    /// `ends` are in the world frame. A distance up to `max_distance` is exact; a larger one gives `max_distance`.
+    /// Outside the field's rectangle, the result is the height above the nearest point of its border. NaN if a
+    /// coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], max_distance: f64) -> f64 {
         let (gap, _) = self.min_height_above(ends);
         if gap.is_nan() || gap <= 0.0 {
@@ -92,8 +93,8 @@ impl HeightField {
         (minimum.0, a + minimum.1 * along)
     }
 
-    /// Bounds of the ground's height in a disc, in metres: the minimum and the maximum height of the disc's centre and of
-    /// the corners of all cells that the disc touches. No height in the disc is outside the bounds.
+    /// Bounds of the ground's height in a disc, in metres: the minimum and the maximum height of the disc's centre and
+    /// of the corners of all cells that the disc touches. No height in the disc is outside the bounds.
     pub fn height_bounds_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         let middle = self.height(centre.x, centre.y);
         let (mut lowest, mut highest) = (middle, middle);
@@ -145,8 +146,8 @@ mod tests {
         (gap, distances.fold(f64::INFINITY, f64::min))
     }
 
-    /// Nearest point of a triangle: the projection onto its plane if that lies inside the triangle, otherwise the nearest
-    /// point of its sides.
+    /// Nearest point of a triangle: the projection onto its plane if that lies inside the triangle, otherwise the
+    /// nearest point of its sides.
     fn nearest_on_triangle(point: DVec3, corners: [DVec3; 3]) -> DVec3 {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
@@ -186,8 +187,8 @@ mod tests {
                 let clearance = field.clearance(ends, 5.0);
                 if gap <= 0.0 {
                     below += 1;
-                    // Samples are 0.15 mm apart, where the ground rises by up to some tens of metres per metre; steps are
-                    // sampled exactly.
+                    // Samples are 0.15 mm apart, where the ground rises by up to some tens of metres per metre; steps
+                    // are sampled exactly.
                     assert!(clearance <= gap + 1e-12 && clearance > gap - 0.02, "{clearance} against {gap}");
                 } else if clearance > 0.0 {
                     above += 1;

@@ -114,7 +114,8 @@ fn a_step_is_vertical_and_exact() {
         assert!((hit.distance - 0.75).abs() < 1e-12, "{hit:?}");
     }
     assert!(index.cast(DVec3::new(0.25, 1.5, 0.301), DVec3::X, 10.0).is_none(), "above the block");
-    // 9 horizontal cells (ground and top) and 4 vertical ones (sides), two triangles each, and no triangle without area.
+    // 9 horizontal cells (ground and top) and 4 vertical ones (sides), two triangles each, and no triangle without
+    // area.
     assert_eq!(field.mesh(None).triangles.len(), 2 * 9 + 2 * 4);
 }
 

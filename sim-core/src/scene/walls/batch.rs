@@ -21,8 +21,8 @@ const WIDTH: usize = 8;
 /// The walls of each cell of a grid.
 ///
 /// Positions are in cells, relative to a point half a cell outside the grid's lower left corner. A position rounded to
-/// whole numbers is then the column and row of a cell, counted from 1. A ring of sentinel cells around the grid ends every
-/// walk.
+/// whole numbers is then the column and row of a cell, counted from 1. A ring of sentinel cells around the grid ends
+/// every walk.
 #[derive(Clone, Debug)]
 pub(super) struct WallBatches {
     /// Origin of the positions.
@@ -34,9 +34,9 @@ pub(super) struct WallBatches {
     first: Vec<u32>,
     batches: Vec<WallBatch>,
     /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 16 units in the last
-    /// place of the largest coordinate, in a square grid 32. On each axis, the coordinate of a wall's end, the ray's direction
-    /// and the product of both contribute 1 unit each; the sums over the axes and with the ray's own position add 4, and the
-    /// comparison of two such numbers 6.
+    /// place of the largest coordinate, in a square grid 32. On each axis, the coordinate of a wall's end, the ray's
+    /// direction and the product of both contribute 1 unit each; the sums over the axes and with the ray's own position
+    /// add 4, and the comparison of two such numbers 6.
     slack: f32,
 }
 
@@ -289,9 +289,9 @@ impl<S: Simd> Probe<S> {
         let width = across.abs();
         // Two numbers have different signs if the absolute value of their sum is less than that of their difference.
         let crosses = (a_side + b_side).abs().simd_le(width + f32x8::splat(simd, 2.0 * slack));
-        // The crossing is at `a_ahead - along * a_side / across`; both sides of the comparison are multiplied by `width`.
-        // Errors of the sides by up to `slack` shift it by up to 6 `slack * along / width` if `width` exceeds 3 `slack`.
-        // Otherwise the wall is excluded only if both ends lie outside the reach.
+        // The crossing is at `a_ahead - along * a_side / across`; both sides of the comparison are multiplied by
+        // `width`. Errors of the sides by up to `slack` shift it by up to 6 `slack * along / width` if `width` exceeds
+        // 3 `slack`. Otherwise the wall is excluded only if both ends lie outside the reach.
         let offset = a_ahead.mul_sub(across, along * a_side).abs();
         let is_within = offset.simd_le(reach.half.mul_add(width, f32x8::splat(simd, 8.0 * slack) * along.abs()));
         (crosses & is_within).to_bitmask() as u32

@@ -15,8 +15,8 @@ const BASE_CELLS: f64 = 4096.0;
 #[derive(Clone, Debug)]
 pub(super) struct Clearance {
     grid: Grid,
-    /// Chebyshev distance of each cell from the nearest cell with a wall, at most 255. A ring of cells around the grid has
-    /// the maximum value.
+    /// Chebyshev distance of each cell from the nearest cell with a wall, at most 255. A ring of cells around the grid
+    /// has the maximum value.
     distances: Vec<u8>,
     /// Maximum of all lower bounds, m.
     pub max_bound: f64,
@@ -67,7 +67,8 @@ impl Clearance {
     }
 }
 
-/// Lower bound of the distance from a point in a cell to the nearest cell with a wall, which is `distance` cells away, m.
+/// Lower bound of the distance from a point in a cell to the nearest cell with a wall, which is `distance` cells away,
+/// m.
 fn bound(distance: u8, grid: &Grid) -> f64 {
     // All cells at a smaller Chebyshev distance are free of walls.
     f64::from(distance.saturating_sub(1)) * grid.cell()

@@ -144,7 +144,8 @@ enum Status {
     Failed,
 }
 
-/// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is no fiber. `work` must not suspend the flow.
+/// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is no fiber. `work` must not
+/// suspend the flow.
 #[inline]
 pub(super) fn run_on_host_stack(work: &mut dyn FnMut()) {
     // SAFETY: see `Fiber::current`.
@@ -238,7 +239,8 @@ impl RunningWorker {
         let body = move || {
             let own_worker: *const Worker = Arc::into_raw(own_worker);
             WORKER.set(own_worker);
-            // SAFETY: this thread's reference count is released only after the thread has ended; the block has no other thread.
+            // SAFETY: this thread's reference count is released only after the thread has ended; the block has no other
+            // thread.
             let (own_worker, result) = unsafe { (&*own_worker, (*own_worker).block.adopt_current_thread()) };
             let is_adopted = result.is_ok();
             // SAFETY: no fiber runs.
@@ -329,8 +331,8 @@ impl Worker {
     /// Takes the first fiber from the queue. Prefetches the data of the following fibers, unless the robots are so few
     /// that they fit in the caches.
     fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
-        /// Number of robots that fit in the second-level cache: with a hundred, prefetching neither gains nor costs time
-        /// (docs/performance.md).
+        /// Number of robots that fit in the second-level cache: with a hundred, prefetching neither gains nor costs
+        /// time (docs/performance.md).
         const MAX_CACHED: usize = 100;
         let mut queue = self.queue.lock();
         let first = queue.pop_front();
@@ -391,10 +393,10 @@ impl Worker {
         let context = fiber.context.get();
         CURRENT.set(Arc::as_ptr(fiber));
         self.running.store(Arc::as_ptr(fiber).cast_mut(), Ordering::Relaxed);
-        // SAFETY: the caller's reference keeps the fiber alive until `CURRENT` and `running` are replaced below; the fiber
-        // does not run, so that only this thread uses its context, which has not been continued since it was stored;
-        // `errno` is this thread's variable. This worker is the home of all robots that share the copy of the variables, which belong
-        // to a run's programs and are dropped after the run.
+        // SAFETY: the caller's reference keeps the fiber alive until `CURRENT` and `running` are replaced below; the
+        // fiber does not run, so that only this thread uses its context, which has not been continued since it was
+        // stored; `errno` is this thread's variable. This worker is the home of all robots that share the copy of the
+        // variables, which belong to a run's programs and are dropped after the run.
         unsafe {
             if let Some(variables) = &robot.variables {
                 variables.swap_in();
@@ -429,8 +431,8 @@ impl Worker {
 }
 
 impl RobotFibers {
-    /// Hands the run token to `task`, whose fiber runs next on the calling worker. Does nothing if the run is over and has given up its
-    /// flows.
+    /// Hands the run token to `task`, whose fiber runs next on the calling worker. Does nothing if the run is over and
+    /// has given up its flows.
     fn hand_token_to(self: &Arc<Self>, task: u32) {
         let mut flows = self.flows.lock();
         let next = flows.list.iter().find(|(number, _)| *number == task).map(|(_, fiber)| Arc::clone(fiber));
@@ -539,15 +541,16 @@ impl Fiber {
     /// Suspends this fiber, the calling one, until its worker resumes it.
     fn suspend(&self) {
         let worker = WORKER.get();
-        // SAFETY: the fiber runs on the thread of its worker, which has stored its context when it switched to the fiber.
+        // SAFETY: the fiber runs on the thread of its worker, which has stored its context when it switched to the
+        // fiber.
         unsafe { switch::switch(&raw mut (*self.context.get()).sp, *(*worker).sp.get()) };
     }
 
     /// Runs `work` on the stack of this fiber's worker; this fiber is the calling one. `work` must neither
     /// suspend the fiber nor make a call.
     ///
-    /// All fibers of a worker share this stack, which therefore stays in the cache; of its own stack a fiber then touches only the
-    /// frames of its program and of the entry of a call.
+    /// All fibers of a worker share this stack, which therefore stays in the cache; of its own stack a fiber then
+    /// touches only the frames of its program and of the entry of a call.
     fn run_on_worker_stack(&self, work: &mut dyn FnMut()) {
         struct Job<'a> {
             work: &'a mut dyn FnMut(),
@@ -562,8 +565,9 @@ impl Fiber {
             job.panic = panic::catch_unwind(AssertUnwindSafe(&mut job.work)).err();
         }
         let mut job = Job { work, panic: None };
-        // SAFETY: the worker's thread runs this fiber, and has stored its stack pointer when it switched to it: below, its stack
-        // is unused until the fiber is suspended. `work` suspends nothing, and its panic does not leave `run`.
+        // SAFETY: the worker's thread runs this fiber, and has stored its stack pointer when it switched to it: below,
+        // its stack is unused until the fiber is suspended. `work` suspends nothing, and its panic does not leave
+        // `run`.
         unsafe {
             let worker_sp = *(*WORKER.get()).sp.get();
             switch::call_on(self.block.caller_sp.as_ptr(), worker_sp, run, (&raw mut job).cast());
@@ -590,8 +594,8 @@ impl Fiber {
         unsafe { switch::divert(context, *(*WORKER.get()).sp.get()) };
     }
 
-    /// Waits until the fiber has ended, at most until `deadline`. Returns true if the fiber has ended or has never run, so that
-    /// it holds no resources.
+    /// Waits until the fiber has ended, at most until `deadline`. Returns true if the fiber has ended or has never run,
+    /// so that it holds no resources.
     fn wait_for_end(&self, deadline: Option<Instant>) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(100);
         while !matches!(self.status(), Status::New | Status::Ended) {

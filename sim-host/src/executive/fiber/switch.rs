@@ -11,8 +11,8 @@ const SAVED_REGISTERS: usize = 6;
 /// Saves the calling context, stores its stack pointer in `from`, and continues the context of the stack pointer `to`.
 ///
 /// # Safety
-/// `from` is valid for a write. `to` was stored by this function or made by [`prepare`], its context has not been continued since, and its
-/// stack is alive.
+/// `from` is valid for a write. `to` was stored by this function or made by [`prepare`], its context has not been
+/// continued since, and its stack is alive.
 #[unsafe(naked)]
 pub unsafe extern "sysv64" fn switch(from: *mut usize, to: usize) {
     naked_asm!(
@@ -36,11 +36,12 @@ unsafe extern "sysv64" fn land() {
     naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
 }
 
-/// Calls `function` with `argument` on the stack below the stack pointer `to`, after it has stored the caller's stack pointer in `from`.
+/// Calls `function` with `argument` on the stack below the stack pointer `to`, after it has stored the caller's stack
+/// pointer in `from`.
 ///
 /// # Safety
-/// `from` is valid for a write. The memory below `to` is an unused stack, which is large enough for `function`. `function` does not
-/// unwind, and returns before any code switches away from this thread's stack.
+/// `from` is valid for a write. The memory below `to` is an unused stack, which is large enough for `function`.
+/// `function` does not unwind, and returns before any code switches away from this thread's stack.
 #[unsafe(naked)]
 pub unsafe extern "sysv64" fn call_on(
     from: *mut usize,
@@ -62,8 +63,8 @@ pub unsafe extern "sysv64" fn call_on(
     )
 }
 
-/// Writes the context of a fiber that begins with `entry` to the fiber's stack, which ends at `top`, a multiple of 16. Returns the
-/// stack pointer of the context.
+/// Writes the context of a fiber that begins with `entry` to the fiber's stack, which ends at `top`, a multiple of 16.
+/// Returns the stack pointer of the context.
 ///
 /// # Safety
 /// The 64 bytes below `top` are valid for writes and unused.

@@ -1,8 +1,8 @@
 //! Channel between a robot's process and the host: shared memory with one message in flight, and a futex that stores
 //! which side has the turn.
 //!
-//! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the bytes of the other:
-//! it copies and checks them.
+//! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the bytes
+//! of the other: it copies and checks them.
 
 use std::fs::File;
 use std::io;
@@ -138,7 +138,8 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// Creates the file with channel 0, ready for a child. The file has no name, and `exec` closes it unless it is passed on.
+    /// Creates the file with channel 0, ready for a child. The file has no name, and `exec` closes it unless it is
+    /// passed on.
     ///
     /// # Errors
     /// The process has no file descriptor left, or the kernel no memory.
@@ -243,8 +244,8 @@ impl Channels {
 
 impl Channel {
     fn header(&self) -> &Header {
-        // SAFETY: the mapping is aligned to pages, longer than the header, and lives as long as `self`; every bit pattern
-        // is a header.
+        // SAFETY: the mapping is aligned to pages, longer than the header, and lives as long as `self`; every bit
+        // pattern is a header.
         unsafe { &*self.memory.cast::<Header>() }
     }
 
@@ -287,8 +288,8 @@ impl Channel {
         let header = self.header();
         let mut offset = BODY;
         for part in parts {
-            // SAFETY: by the check above, all parts fit in the body; the other side does not touch the body out of turn, and no
-            // part is in the channel's memory.
+            // SAFETY: by the check above, all parts fit in the body; the other side does not touch the body out of
+            // turn, and no part is in the channel's memory.
             unsafe { ptr::copy_nonoverlapping(part.as_ptr(), self.memory.add(offset), part.len()) };
             offset += part.len();
         }
@@ -305,7 +306,8 @@ impl Channel {
         wake(turn);
     }
 
-    /// Copies the message out of the channel; the caller must have the turn. `None` if the message's length is impossible.
+    /// Copies the message out of the channel; the caller must have the turn. `None` if the message's length is
+    /// impossible.
     pub fn message(&self) -> Option<Message> {
         fence(Ordering::Acquire);
         let header = self.header();
@@ -323,7 +325,8 @@ impl Channel {
         Some(Message { kind, body })
     }
 
-    /// Waits until `side` has the turn or `timeout` has passed, but may return earlier. Returns true if `side` has the turn.
+    /// Waits until `side` has the turn or `timeout` has passed, but may return earlier. Returns true if `side` has the
+    /// turn.
     pub fn wait_for(&self, side: Turn, timeout: Option<Duration>) -> bool {
         let other = if side == Turn::Host { Turn::Child } else { Turn::Host };
         if self.turn() != side {
@@ -337,7 +340,8 @@ impl Channel {
         self.header().host.load(Ordering::Relaxed)
     }
 
-    /// True if the child is importing a module, and the processor time that earlier imports have taken (channel 0 only).
+    /// True if the child is importing a module, and the processor time that earlier imports have taken (channel 0
+    /// only).
     pub fn imports(&self) -> (bool, Duration) {
         let header = self.header();
         let spent_ms = header.import_ms.load(Ordering::Relaxed);
@@ -349,8 +353,8 @@ impl Channel {
         self.header().location_state.store(location_state::READY, Ordering::Release);
     }
 
-    /// Requests the location at which the child's thread of this channel computes; the child checks for the request when it
-    /// receives a signal. Returns false if the child does not report its location.
+    /// Requests the location at which the child's thread of this channel computes; the child checks for the request
+    /// when it receives a signal. Returns false if the child does not report its location.
     pub fn request_location(&self) -> bool {
         let (ready, requested) = (location_state::READY, location_state::REQUESTED);
         let state = &self.header().location_state;

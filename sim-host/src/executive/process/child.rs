@@ -103,8 +103,8 @@ struct TaskChannels {
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
-    /// A restricted process has a folder `scratch`. What a process prints past the simulator goes through a pipe; it is truncated and shown
-    /// without control characters.
+    /// A restricted process has a folder `scratch`. What a process prints past the simulator goes through a pipe; it is
+    /// truncated and shown without control characters.
     ///
     /// # Errors
     /// The system lacks the resources for another process, or the command does not exist.
@@ -213,8 +213,8 @@ impl Child {
     /// Waits for the child's first message, which it sends once its program is loaded.
     ///
     /// # Errors
-    /// See [`Child::receive`]; also if the user has interrupted this process, or if the child has used the time limit of loading, or slept
-    /// for as long, without sending the message.
+    /// See [`Child::receive`]; also if the user has interrupted this process, or if the child has used the time limit
+    /// of loading, or slept for as long, without sending the message.
     pub fn receive_first(&self) -> Result<Message, Failure> {
         let mut timer = ReleaseTimer::default();
         // A debugger has no time limit, and an interpreter reports when it imports modules, which may take long.
@@ -255,7 +255,8 @@ impl Child {
             {
                 return Err(self.lose(self.failure_of_end(status)));
             }
-            // The next thread of a task replaces the previous one; a thread that is missing in two checks has ended by itself.
+            // The next thread of a task replaces the previous one; a thread that is missing in two checks has ended by
+            // itself.
             let missing = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost_thread(*thread));
             if missing.is_some() && missing == missing_before {
                 let crash = Crash { signal: THREAD_ENDED, ..Crash::default() };
@@ -325,8 +326,8 @@ impl Child {
         self.was_stopped.load(Ordering::Acquire)
     }
 
-    /// Ends a child that is overdue in this release, or stopped: requests its location, and kills it if it does not report
-    /// the location in time.
+    /// Ends a child that is overdue in this release, or stopped: requests its location, and kills it if it does not
+    /// report the location in time.
     pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
@@ -349,16 +350,17 @@ impl Child {
                 // A stopped process reports once it continues.
                 let process = self.process.lock();
                 if process.status.is_none() {
-                    // SAFETY: kill takes no pointer; the process has not been waited for, so the number still identifies it.
+                    // SAFETY: kill takes no pointer; the process has not been waited for, so the number still
+                    // identifies it.
                     unsafe { libc::kill(self.pid, libc::SIGCONT) };
                 }
             }
         }
     }
 
-    /// Location at which the thread of `main` computes; the thread then continues. `None` if it does not compute, or does
-    /// not report its location in time. A thread that sleeps in the kernel gets no request, since the signal would end
-    /// its sleep.
+    /// Location at which the thread of `main` computes; the thread then continues. `None` if it does not compute, or
+    /// does not report its location in time. A thread that sleeps in the kernel gets no request, since the signal would
+    /// end its sleep.
     pub fn current_location(&self) -> Option<CodeLocation> {
         /// Time within which a running thread receives the signal, even on a loaded machine.
         const TIMEOUT: Duration = Duration::from_millis(200);

@@ -131,8 +131,8 @@ impl Connection {
         Box::leak(Box::new(FlowBlock::reporting(report_crash)))
     }
 
-    /// Sends a message of these parts; returns false if it is too long. Async-signal-safe. Ends a process that the program
-    /// has forked: it has no robot, and would answer in its parent's place.
+    /// Sends a message of these parts; returns false if it is too long. Async-signal-safe. Ends a process that the
+    /// program has forked: it has no robot, and would answer in its parent's place.
     fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
         const WORDS: &[u8] = b"error: a process that a robot program has forked cannot call RoBIOS or print with the C library: it is ended\n";
         if IS_FORKED.load(Ordering::Relaxed) {
@@ -149,7 +149,8 @@ impl Connection {
         self.channel.send(kind, parts)
     }
 
-    /// Binds the calling thread to this connection and to `block`; a thread that was bound to them before must have ended.
+    /// Binds the calling thread to this connection and to `block`; a thread that was bound to them before must have
+    /// ended.
     fn adopt_thread(&'static self, block: &'static FlowBlock) {
         self.channel.attach();
         CONNECTION.set(self);
@@ -269,7 +270,8 @@ fn put_call_site(call: &mut Vec<u8>) {
     let site = if site.is_null() || !site.is_aligned() {
         CallSite::NONE
     } else {
-        // SAFETY: by the description's contract it points to a variable of the program, written by this thread before the call.
+        // SAFETY: by the description's contract it points to a variable of the program, written by this thread before
+        // the call.
         unsafe { site.read() }
     };
     (site.address.addr() as u64).put(call);
@@ -309,8 +311,8 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
     let mut body = Reader::new(body);
     let (code, data): (u64, u64) = (body.get()?, body.get()?);
     let callback = Callback {
-        // SAFETY: the program has passed the address of a function of this type, or 0; an optional function pointer is that
-        // pointer or null.
+        // SAFETY: the program has passed the address of a function of this type, or 0; an optional function pointer is
+        // that pointer or null.
         code: unsafe {
             std::mem::transmute::<*const c_void, Option<unsafe extern "C" fn(*mut c_void) -> Status>>(
                 ptr::with_exposed_provenance(code as usize),
@@ -318,8 +320,8 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
         },
         data: ptr::with_exposed_provenance_mut(data as usize),
     };
-    // SAFETY: the host calls back only while the program is in its `run`: in a call of this thread, or on the thread of a
-    // task; this thread holds no lock.
+    // SAFETY: the host calls back only while the program is in its `run`: in a call of this thread, or on the thread of
+    // a task; this thread holds no lock.
     let result = unsafe { callback.call() };
     Ok(result.map_or(Status::STOP, |()| Status::OK))
 }

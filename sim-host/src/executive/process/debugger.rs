@@ -27,10 +27,11 @@ impl Debugger {
         command.status().is_ok_and(|status| status.success())
     }
 
-    /// The command that runs `eyesim child` under gdb for the program in `library`, with the file `channels` as its standard input.
+    /// The command that runs `eyesim child` under gdb for the program in `library`, with the file `channels` as its
+    /// standard input.
     ///
-    /// gdb gets the terminal. Breakpoints are set before the program's library is loaded; gdb does not ask whether to make
-    /// them pending.
+    /// gdb gets the terminal. Breakpoints are set before the program's library is loaded; gdb does not ask whether to
+    /// make them pending.
     ///
     /// # Errors
     /// The path of this executable cannot be determined.

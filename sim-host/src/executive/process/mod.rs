@@ -1,4 +1,5 @@
-//! Robot programs in their own processes: a crash ends only one robot, and a program may be in any language that can map memory.
+//! Robot programs in their own processes: a crash ends only one robot, and a program may be in any language that can
+//! map memory.
 //!
 //! In the host, the robot has its usual flow, whose thread answers the child's calls. So the dispatcher, the
 //! implementation of the calls and the record do not depend on where a program runs. Both sides share [`channel`],

@@ -6,9 +6,9 @@ use std::thread::{self, JoinHandle};
 /// Maximum number of bytes of this output that are shown per process; our choice.
 const MAX_BYTES: usize = 1 << 20;
 
-/// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MAX_BYTES`] bytes, and without
-/// control characters, which could change the terminal. The rest is read and dropped, so that the writer does not
-/// block.
+/// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MAX_BYTES`] bytes, and
+/// without control characters, which could change the terminal. The rest is read and dropped, so that the writer does
+/// not block.
 ///
 /// # Errors
 /// The system lacks the resources for the thread.

@@ -1,7 +1,7 @@
 //! Messages of Foxglove in the wire format of Protocol Buffers, and their descriptors, which a recording contains.
 //!
-//! One table is the source of both. Messages are encoded from JSON values: an absent field is not written, and null is an
-//! infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are omitted.
+//! One table is the source of both. Messages are encoded from JSON values: an absent field is not written, and null is
+//! an infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are omitted.
 //!
 //! Source: protobuf.dev, encoding; descriptor.proto.
 
@@ -50,8 +50,8 @@ const PACKED: Type = Type::Message("foxglove.PackedElementField");
 const NUMBERS: &[&str] = &["UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64"];
 const LEVELS: &[&str] = &["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
 
-/// Fields of each message. The package of a message is its name without the last component. Each of Google's messages has its own
-/// file.
+/// Fields of each message. The package of a message is its name without the last component. Each of Google's messages
+/// has its own file.
 const MESSAGES: &[(&str, &[Field])] = &[
     ("google.protobuf.Timestamp", &[single(1, "seconds", Type::Int64), single(2, "nanos", Type::Int32)]),
     ("google.protobuf.Duration", &[single(1, "seconds", Type::Int64), single(2, "nanos", Type::Int32)]),

@@ -62,7 +62,8 @@ pub(super) fn all(scene: &Scene) -> Vec<Value> {
     std::iter::once(world(scene)).chain(robots).chain(objects).collect()
 }
 
-/// Entities of robot `id`, with the appearance of robot `model` of the scene: its body, and its links that have a shape.
+/// Entities of robot `id`, with the appearance of robot `model` of the scene: its body, and its links that have a
+/// shape.
 pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Vec<Value> {
     let Some(robot) = scene.robots.iter().find(|robot| robot.id == model) else { return Vec::new() };
     let label = json!([{

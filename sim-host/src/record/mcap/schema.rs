@@ -100,8 +100,8 @@ impl Content {
         matches!(self, Scene | Transforms | Scan | Image | Grid | Points | Log)
     }
 
-    /// JSON schema of one of eyesim's own messages. Its messages are lines of the trace (`docs/trace.md`), whose fields depend on the
-    /// event.
+    /// JSON schema of one of eyesim's own messages. Its messages are lines of the trace (`docs/trace.md`), whose fields
+    /// depend on the event.
     pub fn schema(self) -> Value {
         let kinds: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| Self::of(*kind) == Some(self)).collect();
         let mut properties = Map::new();
@@ -123,7 +123,8 @@ impl Content {
     }
 }
 
-/// Schema of a field of events. A field whose name ends with a unit is a number, or null if there was nothing to measure.
+/// Schema of a field of events. A field whose name ends with a unit is a number, or null if there was nothing to
+/// measure.
 fn field_schema(field: &str) -> Value {
     const UNITS: [&str; 6] = ["_m", "_s", "_rad", "_hz", "_gain", "signal"];
     const INTEGERS: [&str; 21] = [

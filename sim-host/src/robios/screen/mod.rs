@@ -17,7 +17,8 @@ use list::ListLine;
 use menu::MenuLabel;
 use page::{Cell, Page};
 
-/// Default width and height in pixels: those of an EyeBot 7. Programs for EyeSim VR place text where only these have room.
+/// Default width and height in pixels: those of an EyeBot 7. Programs for EyeSim VR place text where only these have
+/// room.
 pub const DEFAULT_SIZE: [u16; 2] = [480, 320];
 
 /// Columns between tab stops.

@@ -23,8 +23,8 @@ const PING_INTERVAL: Duration = Duration::from_secs(5);
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
 /// Minimum time between two updates of a page: 60 a second.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(16);
-/// Rate limit of a page's messages: on average one per `READ_INTERVAL` (200 a second), with bursts that exceed this rate by up to
-/// `READ_BURST` (100 messages).
+/// Rate limit of a page's messages: on average one per `READ_INTERVAL` (200 a second), with bursts that exceed this
+/// rate by up to `READ_BURST` (100 messages).
 const READ_INTERVAL: Duration = Duration::from_millis(5);
 const READ_BURST: Duration = Duration::from_millis(500);
 /// Maximum number of unanswered commands of one page.
@@ -82,7 +82,8 @@ async fn close(mut socket: WebSocket, reason: CloseReason) {
     let farewell = async {
         let frame = CloseFrame { code: reason.code, reason: why.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
-            // Unread messages of the page are drained: otherwise the system would drop the close frame together with the connection.
+            // Unread messages of the page are drained: otherwise the system would drop the close frame together with
+            // the connection.
             while let Some(Ok(_)) = socket.recv().await {}
         }
     };

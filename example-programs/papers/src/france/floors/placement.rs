@@ -1,4 +1,5 @@
-//! Placements of range sensors on the biped, the profile that they give, and its error where the robot is about to step.
+//! Placements of range sensors on the biped, the profile that they give, and its error where the robot is about to
+//! step.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -166,7 +167,8 @@ pub fn points(course: &Course, sensors: &[Sensor], condition: &Condition) -> Vec
 pub struct Score {
     /// Root mean square error of the height, m.
     pub rms: f64,
-    /// Number of places that lie higher or lower than the ground under the body by more than [`HAZARD`], and of those found.
+    /// Number of places that lie higher or lower than the ground under the body by more than [`HAZARD`], and of those
+    /// found.
     pub hazards: (usize, usize),
     /// Number of the other places, and of those taken for hazards.
     pub safe: (usize, usize),
@@ -178,8 +180,8 @@ fn places() -> impl Iterator<Item = f64> {
     (0..=((last - first) / apart).round() as usize).map(move |index| first + apart * index as f64)
 }
 
-/// The height of each judged place as the profile gives it when the body is `lead` before it: the mean of the points within `radius`, else
-/// the height of the nearest point; `None` if the place under the body is nearer.
+/// The height of each judged place as the profile gives it when the body is `lead` before it: the mean of the points
+/// within `radius`, else the height of the nearest point; `None` if the place under the body is nearer.
 pub fn known<'a>(
     course: &'a Course,
     points: &'a [Point],
@@ -205,8 +207,8 @@ pub fn known<'a>(
     })
 }
 
-/// Compares the known heights with the true ones under both feet. Where the profile gives none the robot expects the height on which
-/// it stands.
+/// Compares the known heights with the true ones under both feet. Where the profile gives none the robot expects the
+/// height on which it stands.
 pub fn score(course: &Course, points: &[Point], radius: f64, lead: f64) -> Score {
     let mut score = Score::default();
     let (mut squares, mut count) = (0.0, 0);
