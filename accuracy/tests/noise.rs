@@ -207,7 +207,7 @@ fn rounded_distribution(sample: &[f64], step: f64, cdf: impl Fn(f64) -> f64) -> 
     let (low, high) = (step_index(low), step_index(high));
     let mut counts = vec![0.0; (high - low + 1) as usize];
     for x in sample {
-        assert!((x - step_index(*x) as f64 * step).abs() < 1e-9, "{x} is no multiple of {step}");
+        assert!((x - step_index(*x) as f64 * step).abs() < 1e-9, "{x} is not a multiple of {step}");
         counts[(step_index(*x) - low) as usize] += 1.0;
     }
     let edge = |index: i64| (index as f64 - 0.5) * step;

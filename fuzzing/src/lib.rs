@@ -58,6 +58,6 @@ pub const TARGETS: &[Target] = &[
 /// If there is no such target, or the input breaks an invariant.
 pub fn check(target: &str, input: &[u8]) {
     let entry = TARGETS.iter().find(|entry| entry.name == target);
-    let target = entry.unwrap_or_else(|| panic!("`{target}` is no target"));
+    let target = entry.unwrap_or_else(|| panic!("`{target}` is not a target"));
     (target.check)(input);
 }

@@ -39,7 +39,7 @@ missing, wrong = sorted(set(right) - set(printed)), sorted(set(printed) - set(ri
 if sorted(printed) == sorted(right):
     message = f"all {len(right)} free squares"
 elif wrong:
-    message = "`free %d %d %d` is no free square of the tree" % wrong[0]
+    message = "`free %d %d %d` is not a free square of the tree" % wrong[0]
 elif missing:
     message = f"{len(missing)} of {len(right)} free squares are missing, such as `free %d %d %d`" % missing[0]
 else:

@@ -105,7 +105,7 @@ def test_mistakes_have_file_line_and_column(tmp_path):
     assert pickle.loads(pickle.dumps(error)).diagnostics == error.diagnostics
     with pytest.raises(eyesim.SceneError):
         eyesim.load(tmp_path / "missing.sim")
-    with pytest.raises(eyesim.Error, match="is no scene"):
+    with pytest.raises(eyesim.Error, match="is not a scene"):
         eyesim.load(tmp_path / "program.c")
 
 

@@ -42,5 +42,5 @@ fn not_encodable(error: postcard::Error) -> Error {
 }
 
 fn garbled(message: &Message) -> Error {
-    Error::Garbled { from: message.from, bytes: message.bytes.clone(), expected: "value of the expected type" }
+    Error::Garbled { from: message.from, bytes: message.bytes.clone(), expected: "a value of the expected type" }
 }

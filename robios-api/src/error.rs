@@ -24,7 +24,7 @@ pub enum Error {
         code: i32,
     },
     /// A value is out of range; no call was made.
-    #[error("`{value}` is no {what}, accepted: {accepted}")]
+    #[error("`{value}` is not a valid {what}, accepted: {accepted}")]
     OutOfRange {
         /// Kind of value that was expected.
         what: &'static str,
@@ -42,7 +42,7 @@ pub enum Error {
         instead: &'static str,
     },
     /// A message is not of the expected kind, for example because bits were inverted in transmission.
-    #[error("the message of {} bytes from robot {from} is no {expected}", bytes.len())]
+    #[error("the message of {} bytes from robot {from} is not {expected}", bytes.len())]
     Garbled {
         /// Sender of the message.
         from: RobotNumber,

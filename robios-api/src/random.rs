@@ -51,7 +51,7 @@ impl<'r> Random<'r> {
     /// A uniformly chosen element of a slice; `None` if the slice is empty.
     #[track_caller]
     pub fn choice<'a, T>(&self, elements: &'a [T]) -> Option<&'a T> {
-        // 2^64 is no multiple of most lengths; the resulting error in probability is below 2^-40 for lengths up to
+        // 2^64 is not a multiple of most lengths; the resulting error in probability is below 2^-40 for lengths up to
         // 2^24.
         let index = (u128::from(self.bits()) * elements.len() as u128) >> 64;
         elements.get(index as usize)

@@ -33,7 +33,7 @@ fn overlong_message_is_rejected() {
         let radio = robot.radio()?;
         radio.broadcast(&[7; robios_api::MAX_MESSAGE])?;
         let refused = radio.send(RobotNumber(2), &[7; robios_api::MAX_MESSAGE + 1]).map_err(|error| error.to_string());
-        assert_eq!(refused, Err("`36` is no length of a message in bytes, accepted: up to 35".to_owned()));
+        assert_eq!(refused, Err("`36` is not a valid length of a message in bytes, accepted: up to 35".to_owned()));
         Ok(())
     });
     let run = run.expect_finished();
@@ -83,7 +83,7 @@ fn robios7_messages_end_at_a_zero() {
 fn invalid_utf8_is_an_error() {
     let run = Fake::new().message(200.millis(), RobotNumber(2), [b'a', 0xFF]).run(|robot| -> Result {
         let error = robot.radio()?.receive()?.text().map(str::to_owned).expect_err("no UTF-8");
-        assert_eq!(error.to_string(), "the message of 2 bytes from robot 2 is no text");
+        assert_eq!(error.to_string(), "the message of 2 bytes from robot 2 is not text");
         Ok(())
     });
     run.expect_finished();

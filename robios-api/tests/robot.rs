@@ -23,9 +23,12 @@ fn errors_name_the_device_and_the_call() {
     });
     assert_eq!(run.expect_failed(), "`VWDriveStraight` was refused for the driving interface `VW_DRIVE` with -1");
     let run = Fake::new().run(|robot| robot.motor(MotorAt::Left)?.set(robios_api::Ratio::percent(120.0)));
-    assert_eq!(run.expect_failed(), "`120 %` is no power of a motor, accepted: -100 to 100 %");
+    assert_eq!(run.expect_failed(), "`120 %` is not a valid power of a motor, accepted: -100 to 100 %");
     let run = Fake::new().run(|robot| robot.every(15.millis(), |_| ()).map(|_| ()));
-    assert_eq!(run.expect_failed(), "`15ms` is no period of a timer, accepted: multiples of 10 ms from 10 ms on");
+    assert_eq!(
+        run.expect_failed(),
+        "`15ms` is not a valid period of a timer, accepted: multiples of 10 ms from 10 ms on"
+    );
 }
 
 #[test]

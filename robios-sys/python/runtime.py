@@ -1574,7 +1574,7 @@ class _Console:
         return False
 
     def fileno(self):
-        raise _io.UnsupportedOperation("the robot's console is no file")  # an OSError; that name is a function of RoBIOS
+        raise _io.UnsupportedOperation("the robot's console is not a file")  # an OSError; that name is a function of RoBIOS
 
     def readable(self):
         return False
@@ -1888,7 +1888,7 @@ def _advice_on_syntax(line):
     for words, instead in (("++", "+= 1"), ("--", "-= 1"), ("&&", "and"), ("||", "or")):
         if words in line:
             return f"Python has no `{words}`: write `{instead}`"
-    # A name that is assigned, or whose attribute is used, is no misspelt keyword.
+    # A name that is assigned, or whose attribute is used, is not a misspelt keyword.
     word = re.match(r"\s*(\w*)(?!\w|\s*[.=,])|", line).group(1) or ""
     near = difflib.get_close_matches(word, _STATEMENT_WORDS, 1, 0.75) if word not in _STATEMENT_WORDS else []
     return f"did you mean `{near[0]}`?" if near else None

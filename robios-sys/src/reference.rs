@@ -216,7 +216,7 @@ const BEGIN6: &str = "\
 # Reference of RoBIOS 6
 
 All functions of RoBIOS 6 in C, with parameters, units and results. Lengths of drives are in metres, angles in radians, distances of sensors
-in millimetres, times in hundredths of a second. Handles are one bit each and can be OR-ed; 0 is no handle. Null pointers, wrong handles and
+in millimetres, times in hundredths of a second. Handles are one bit each and can be OR-ed; 0 is not a handle. Null pointers, wrong handles and
 numbers out of range give the documented result and change nothing. [robios6.md](robios6.md) describes what the simulator does in each
 call, and [dialects.md](dialects.md) the differences from RoBIOS-7. There is no RoBIOS 6 in Python; in Rust the crate `robios-api` has these
 functions as methods ([rust-programs.md](rust-programs.md)).

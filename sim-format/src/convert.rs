@@ -369,7 +369,7 @@ impl Conversion<'_> {
         world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
         if target == FileFormat::Maze && self.source_grid().is_some() {
             let expected = "a target in .wld, .toml, .yaml, .pgm or .pbm";
-            self.sink.error(Code::ConvertMaze, Span::default(), "a map of occupied cells is no maze", expected);
+            self.sink.error(Code::ConvertMaze, Span::default(), "a map of occupied cells is not a maze", expected);
         } else if !loaded.has_errors() {
             self.write_world(&world, target);
         }

@@ -222,7 +222,7 @@ impl Reader {
             "y" | "Y" => Axis::Z,
             "z" | "Z" => Axis::X,
             other => {
-                let message = format!("`{other}` is no axis of a capsule");
+                let message = format!("`{other}` is not an axis of a capsule");
                 self.sink.warn(Code::EsobjColliderKind, axis[0].span, message, "x, y or z");
                 return None;
             }

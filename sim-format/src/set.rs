@@ -21,13 +21,13 @@ pub struct Setting {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SettingError {
     /// The text does not have the form `PATH=VALUE`.
-    #[error("`{0}` is no setting: expected `PATH=VALUE`, such as `robot[0].x_mm=500`")]
+    #[error("`{0}` is not a setting: expected `PATH=VALUE`, such as `robot[0].x_mm=500`")]
     Form(String),
     /// The path cannot be read.
-    #[error("`{0}` is no path: expected names of keys and indices of arrays, such as `robot[0].x_mm`")]
+    #[error("`{0}` is not a path: expected names of keys and indices of arrays, such as `robot[0].x_mm`")]
     Path(String),
     /// The value cannot be read.
-    #[error("`{value}` is no value of TOML: {error}; a text is written between quotes")]
+    #[error("`{value}` is not a value of TOML: {error}; a text is written between quotes")]
     Value {
         /// The value.
         value: String,
@@ -207,7 +207,7 @@ mod tests {
     fn invalid_settings_are_rejected() {
         let error = |text: &str| Setting::parse(text).expect_err(text).to_string();
         assert!(error("robot").contains("expected `PATH=VALUE`"));
-        assert!(error("robot[=1").contains("is no path"));
+        assert!(error("robot[=1").contains("is not a path"));
         assert!(error("a=real").contains("a text is written between quotes"));
         assert_eq!(Setting::parse("a.b = [1, 2]").expect("a setting").to_string(), "a.b=[1, 2]");
     }

@@ -122,7 +122,7 @@ impl Reader {
                 "VIS" => self.sim.settings.shows_beams = true,
                 "TRACE" => self.sim.settings.shows_trace = true,
                 _ => {
-                    let message = format!("`{}` is no setting", word.text);
+                    let message = format!("`{}` is not a setting", word.text);
                     let diagnostic = self.sink.warn(Code::SimSetting, word.span, message, "any of VIS and TRACE");
                     diagnostic.suggestion = line::nearest(word.text, SETTINGS).map(|name| format!("write `{name}`"));
                 }

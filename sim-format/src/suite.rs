@@ -421,7 +421,8 @@ impl Reader {
             let names = text.split('{').skip(1).filter_map(|rest| Some(rest.split_once('}')?.0));
             let is_unknown = |name: &&str| parameters.iter().all(|parameter| parameter.name != **name);
             for name in names.filter(is_unknown) {
-                let message = format!("the arguments have a place for `{name}`, which is no parameter of the matrix");
+                let message =
+                    format!("the arguments have a place for `{name}`, which is not a parameter of the matrix");
                 let expected = format!("`[matrix.parameter]` with `{name} = [...]`");
                 self.sink.error(Code::SuiteParameter, Span::default(), message, expected);
             }

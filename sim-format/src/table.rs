@@ -254,7 +254,7 @@ impl Reader {
         let index = words.iter().position(|word| *word == text);
         if index.is_none() {
             let suggestion = line::nearest(text, words.iter().copied()).map(|word| format!("write `{word}`"));
-            let message = format!("`{text}` is no {key}");
+            let message = format!("`{text}` is not a valid `{key}`");
             self.sink.error(Code::TomlChoice, self.span(value.span()), message, expected).suggestion = suggestion;
         }
         index
@@ -362,7 +362,7 @@ impl Reader {
     ) -> Option<u8> {
         let number = key.get_ref().parse().ok().filter(|number| numbers.contains(number));
         if number.is_none() {
-            let message = format!("`{}` is no {noun}", key.get_ref());
+            let message = format!("`{}` is not a valid {noun}", key.get_ref());
             let expected = format!("a number from {} to {}", numbers.start(), numbers.end());
             self.sink.error(Code::TomlKey, self.span(key.span()), message, expected);
         }

@@ -330,12 +330,12 @@ fn interventions_are_refused_with_reasons() {
             "there is no type of movable objects `Tank`, accepted: ",
         ),
         (Action::SwitchSensor { robot: 2, sensor, on: false }, "robot 2 has no sensor `SONAR`: it has `PSD_FRONT`"),
-        (Action::Press { robot: 1, key }, "`KEY9` is no key"),
+        (Action::Press { robot: 1, key }, "`KEY9` is not a key"),
         (Action::RemoveRobot { robot: 7 }, "there is no robot 7"),
         (Action::RemoveObject { object: 0 }, "there is no movable object 0"),
         (
             Action::PlaceRobot { robot: 1, x_m: f64::NAN, y_m: 0.0, phi_rad: 0.0 },
-            "x NaN m, y 0 m, phi 0 rad is no place",
+            "x NaN m, y 0 m, phi 0 rad is not a place",
         ),
         (Action::SetNoise { robot: None, parameter, value: 1.0 }, "`psd.sigma`"),
     ] {

@@ -147,7 +147,7 @@ fn a_run_waiting_for_user_input_continues_after_it() {
         assert!((7.0..7.05).contains(&robot.virtual_time.seconds()), "{}", robot.virtual_time);
     }
     assert_eq!((answers.len(), &answers[0], &answers[2]), (3, &Ok(()), &Ok(())));
-    assert!(answers[1].as_ref().is_err_and(|why| why.starts_with("`KEY9` is no key")), "{answers:?}");
+    assert!(answers[1].as_ref().is_err_and(|why| why.starts_with("`KEY9` is not a key")), "{answers:?}");
 }
 
 #[test]

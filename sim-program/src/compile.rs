@@ -531,7 +531,7 @@ impl CompileVariant<'_> {
     }
 }
 
-/// The first lines of a compiler's messages: a file that is no text causes thousands.
+/// The first lines of a compiler's messages: a file that is not text causes thousands.
 fn beginning(messages: &str) -> String {
     const MAX_BYTES: usize = 32 << 10;
     let mut len = 0;

@@ -284,7 +284,7 @@ pub enum GenerationError {
 /// If `folders` are given, whose paths must not contain links, only files in them are scanned.
 ///
 /// # Errors
-/// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A
+/// [`GenerationError`] if the program calls functions of both generations, or includes something that is not a file. A
 /// source that cannot be read is reported by the compilation.
 pub fn choose(
     sources: &[PathBuf],

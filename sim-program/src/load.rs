@@ -573,7 +573,7 @@ fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     let path = || prepared.source.path().to_owned();
     let no_library = || LoadError::Incompatible {
         path: path(),
-        what: "it is no library and runs in a process of its own only".into(),
+        what: "it is not a library and runs in a process of its own only".into(),
     };
     prepared.image().ok_or_else(no_library)
 }

@@ -102,7 +102,7 @@ pub enum PythonError {
         error: io::Error,
     },
     /// The interpreter is too old, or is not Python.
-    #[error("`{}` is no Python 3.{OLDEST_MINOR} or newer: it says `{answer}`", interpreter.display())]
+    #[error("`{}` is not Python 3.{OLDEST_MINOR} or newer: it says `{answer}`", interpreter.display())]
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,

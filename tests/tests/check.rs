@@ -86,7 +86,7 @@ fn one_line_says_what_to_write() {
             "a.sim",
             "a.sim:3:1: warning[sim-keyword]: unknown keyword `ball`; expected one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`",
         ),
-        ("a.sim", "a.sim:4:10: warning[sim-setting]: `FOO` is no setting; expected any of VIS and TRACE"),
+        ("a.sim", "a.sim:4:10: warning[sim-setting]: `FOO` is not a setting; expected any of VIS and TRACE"),
         ("a.suite.toml", "a.suite.toml:4:8: error[suite-cases]: `0..400000` has 400001 seeds; expected at most 400000"),
     ] {
         let ran = check(&scratch, &[file, "--format", "short"]);

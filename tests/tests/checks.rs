@@ -201,14 +201,14 @@ fn objects_reach_places_and_a_removed_goal_is_no_crash() {
 #[test]
 fn mistakes_in_checks_are_told_with_their_place() {
     for (check, message) in [
-        ("kind = \"reech\"", "`reech` is no kind"),
+        ("kind = \"reech\"", "`reech` is not a valid `kind`"),
         ("name = \"x\"", "`check` has no `kind`"),
         ("kind = \"reach\"", "a check has no `at_mm`"),
         ("kind = \"reach\"\nat_mm = [1, 2]", "a check has no `within_mm`"),
         ("kind = \"reach\"\nat_mm = [1, nan]\nwithin_mm = 1", "`NaN` is out of range"),
         ("kind = \"reach\"\nat_mm = [1, 2]\nwithin_mm = -1", "`-1` is out of range"),
         ("kind = \"reach\"\nat_mm = [1, 2]\narea_mm = [[0, 0], [1, 1]]", "`at_mm` and `area_mm` exclude each other"),
-        ("kind = \"reach\"\narea_mm = [[0, 0], [1, 0]]", "`area_mm` is no area"),
+        ("kind = \"reach\"\narea_mm = [[0, 0], [1, 0]]", "`area_mm` is not an area"),
         ("kind = \"reach\"\narea_mm = [[0, 0, 0]]", "array"),
         (
             "kind = \"reach\"\nrobot = 1\nobject = 1\nat_mm = [1, 2]\nwithin_mm = 1",
@@ -218,7 +218,7 @@ fn mistakes_in_checks_are_told_with_their_place() {
         ("kind = \"contacts\"\nrobot = 2", "check `contacts` is about r2, which the scene does not have"),
         ("kind = \"contacts\"\npoints = -1", "`-1` is out of range"),
         ("kind = \"visits\"\nplaces_mm = []\nwithin_mm = 1", "`places_mm` is empty"),
-        ("kind = \"laps\"\ngate_mm = [[1, 1], [1, 1]]", "`gate_mm` is no gate"),
+        ("kind = \"laps\"\ngate_mm = [[1, 1], [1, 1]]", "`gate_mm` is not a gate"),
         ("kind = \"follows_wall\"\ngap_mm = [5, 1]", "has its least value above its greatest"),
         ("kind = \"coverage\"\nwidth_mm = 5\ncell_mm = 1", "the area has 6000000 squares"),
         ("kind = \"metric\"\npath = \"points\"", "a metric has no limit"),
@@ -227,10 +227,10 @@ fn mistakes_in_checks_are_told_with_their_place() {
         ("kind = \"prints\"", "has 0 of `text`, `pattern` and `numbers`"),
         ("kind = \"prints\"\ntext = \"a\"\nnumbers = [1]", "has 2 of `text`, `pattern` and `numbers`"),
         ("kind = \"prints\"\nnumbers = [[]]", "has an empty row"),
-        ("kind = \"event\"\nevent = \"beeb\"", "`beeb` is no event"),
+        ("kind = \"event\"\nevent = \"beeb\"", "`beeb` is not a valid `event`"),
         ("kind = \"calls\"\nfunction = \"VWStraigt\"", "there is no function `VWStraigt`"),
         ("kind = \"calls\"\nfunction = \"VWStraight\"\nmin = 3\nmax = 2", "is less than `min`"),
-        ("kind = \"outcome\"\nis = \"won\"", "`won` is no is"),
+        ("kind = \"outcome\"\nis = \"won\"", "`won` is not a valid `is`"),
     ] {
         let scratch = scene("", &format!("[[check]]\n{check}\n"));
         for command in ["run", "check"] {
@@ -440,8 +440,8 @@ fn programs_that_give_no_verdict_break_the_check() {
         ("echo '{\"passed\": \"yes\"}'", "", "expected a boolean"),
         ("echo '{\"points\": 1}'", "", "missing field `passed`"),
         ("echo '{\"passed\": true, \"point\": 1}'", "", "unknown field `point`"),
-        ("echo '{\"passed\": true, \"points\": NaN}'", "", "is no verdict"),
-        ("echo '{\"passed\": true, \"points\": 1e999}'", "", "is no verdict"),
+        ("echo '{\"passed\": true, \"points\": NaN}'", "", "is not a verdict"),
+        ("echo '{\"passed\": true, \"points\": 1e999}'", "", "is not a verdict"),
         ("echo '{\"passed\": true, \"points\": 1e308}'", "", "points; expected 0 to 1"),
         ("echo '{\"passed\": true, \"points\": -1}'", "", "gives -1 points; expected 0 to 1"),
         ("sleep 1000 & sleep 1000", "timeout_s = 0.2", "had not ended after 0.2 s"),

@@ -104,7 +104,7 @@ fn files_of_other_kinds_are_refused() {
         assert!(ran.stderr.contains(message), "{a} {b}: {}", ran.stderr);
     };
     refuses("a.json", "a.jsonl", "expected two traces or two reports");
-    refuses("look.c", "a.jsonl", "`look.c` is no report of a run, and `look.c` is no trace");
+    refuses("look.c", "a.jsonl", "`look.c` is not a report of a run, and `look.c` is not a trace");
     refuses("a.jsonl", "missing", "`missing`: No such file");
-    refuses("/dev/zero", "a.jsonl", "`/dev/zero` is no file");
+    refuses("/dev/zero", "a.jsonl", "`/dev/zero` is not a file");
 }

@@ -482,7 +482,7 @@ fn wrong_arguments_are_told() {
     check(&base, &["--submissions", "in"], "nothing is written");
     check(&base, &["--submissions", "nowhere", "-o", "out"], "nowhere");
     check(&base, &["--submissions", "in", "-o", "used"], "expected an empty folder");
-    check(&base, &[&all[..], &["--hidden-seeds", "seeds.txt"]].concat(), "line 2: `x` is no seed");
+    check(&base, &[&all[..], &["--hidden-seeds", "seeds.txt"]].concat(), "line 2: `x` is not a seed");
     check(&base.replace("submit =", "# "), &all, "which files of a submission are programs");
     check(&base.replace("{ 1 =", "{ 7 ="), &all, "robot 7");
     check(&base.replace("[\"*.c\", \"*.cpp\", \"*.so\"]", "[]"), &all, "names no files");

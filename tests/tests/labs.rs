@@ -201,7 +201,7 @@ fn an_unknown_lab_is_told_with_the_known_ones() {
     let scratch = Scratch::new();
     let ran = scratch.eyesim(&["new", "--lab", "brushfir"]);
     assert_ne!(ran.code, Some(0));
-    assert!(ran.stderr.contains("`brushfir` is no lab: expected one of lawn, waypoints, distbug"), "{ran:#?}");
+    assert!(ran.stderr.contains("`brushfir` is not a lab: expected one of lawn, waypoints, distbug"), "{ran:#?}");
     let ran = scratch.eyesim(&["new", "--lab", "lawn", "--lang", "rust"]);
     assert!(ran.stderr.contains("in C or Python"), "{ran:#?}");
 }

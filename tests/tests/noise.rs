@@ -283,7 +283,7 @@ fn a_profile_that_is_nowhere_or_none_is_refused() {
         ("nowhere.toml", "nowhere.toml: error[file-missing]: no such file"),
         (
             "raal",
-            "--noise: `raal` is no noise profile: expected one of none, mild, real, harsh, course, or a file NAME.toml",
+            "--noise: `raal` is not a noise profile: expected one of none, mild, real, harsh, course, or a file NAME.toml",
         ),
         ("room.wld", "room.wld:1:7: error[toml-syntax]"),
     ] {

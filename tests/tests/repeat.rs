@@ -248,9 +248,9 @@ fn what_cannot_be_done_is_refused_and_leaves_no_trace() {
     let refused = [
         (press(2, "KEY1"), "there is no robot 2"),
         (press(0, "KEY1"), "there is no robot 0"),
-        (press(1, "KEY5"), "`KEY5` is no key"),
-        (place_robot(1, 1e300, 0.0, 0.0), "is no place"),
-        (place_robot(1, 0.0, 0.0, 1e7), "is no place"),
+        (press(1, "KEY5"), "`KEY5` is not a key"),
+        (place_robot(1, 1e300, 0.0, 0.0), "is not a place"),
+        (place_robot(1, 0.0, 0.0, 1e7), "is not a place"),
         (json!({"do": "place_object", "object": 1, "x_m": 0, "y_m": 0, "phi_rad": 0}), "there is no movable object 1"),
         (set_noise(None, "psd.sigma", 1.0), "has no number `psd.sigma`"),
         (set_noise(Some(1), "radio.packet_loss", 2.0), "cannot be 2"),
@@ -437,8 +437,8 @@ fn what_is_no_trace_is_told_before_anything_runs() {
     write_scene(&scratch, &["twice.c"]);
     scratch.write("empty.jsonl", "");
     for (trace, why) in [
-        ("empty.jsonl", "is no trace: it is empty"),
-        ("scene.sim", "its first line is no JSON"),
+        ("empty.jsonl", "is not a trace: it is empty"),
+        ("scene.sim", "its first line is not JSON"),
         ("none.jsonl", "cannot read the trace"),
     ] {
         for args in [&["replay", trace, "--verify"][..], &["run", "scene.sim", "--repeat", trace]] {

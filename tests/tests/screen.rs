@@ -135,7 +135,7 @@ fn keys_and_touches_come_from_the_script() {
     assert!(waits.stderr.contains("waits for any key"), "{waits:#?}");
     let wrong = scratch.eyesim(&["run", "draw.sim", "--keys", "1:TOUCH(1)"]);
     assert_eq!(wrong.code, Some(2));
-    assert!(wrong.stderr.contains("`TOUCH(1)` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)`"));
+    assert!(wrong.stderr.contains("`TOUCH(1)` is not a key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)`"));
 }
 
 /// Reads a picture.

@@ -18,7 +18,7 @@ fn the_program_is_named_in_place_of_the_scene() {
     let ran = scratch.eyesim(&["run", "mine.c"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert_eq!(ran.stderr.lines().count(), 1, "{ran:#?}");
-    assert!(ran.stderr.contains("`mine.c` is no scene"), "{ran:#?}");
+    assert!(ran.stderr.contains("`mine.c` is not a scene"), "{ran:#?}");
     let ran = scratch.eyesim(&["run", "."]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("`.` is a folder"), "{ran:#?}");

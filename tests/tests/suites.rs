@@ -233,7 +233,9 @@ fn wrong_suites_are_told() {
     scratch.write("w.suite.toml", &base.replace("until_s", "untils"));
     let ran = test(&scratch, &["w.suite.toml", "--collect-only"], 0);
     assert!(ran.stderr.contains("toml-key"), "an unknown key is a warning: {ran:#?}");
-    assert!(scratch.eyesim(&["run", "room.scene.toml", "--set", "robot[0].y_mm=oops"]).stderr.contains("is no value"));
+    assert!(
+        scratch.eyesim(&["run", "room.scene.toml", "--set", "robot[0].y_mm=oops"]).stderr.contains("is not a value")
+    );
 }
 
 #[test]

@@ -39,7 +39,7 @@ impl SampleRun {
 }
 
 fn whole(value: &Value) -> u64 {
-    value.as_u64().unwrap_or_else(|| panic!("`{value}` is no whole number"))
+    value.as_u64().unwrap_or_else(|| panic!("`{value}` is not a whole number"))
 }
 
 /// The numbers among the words of a text.

@@ -349,7 +349,7 @@ fn start_again(more: &[&str]) {
         }
     }
     assert!(
-        page.ask(Command::Restart { seed: Seed::Number("five".into()) }).is_some_and(|why| why.contains("no seed"))
+        page.ask(Command::Restart { seed: Seed::Number("five".into()) }).is_some_and(|why| why.contains("not a seed"))
     );
     assert_eq!(page.run(), 4);
 }

@@ -333,7 +333,7 @@ impl fmt::Display for Scan {
 
 /// Error for a text that is not a [`Scan`].
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("`{0}` is no x, y, heading and distances")]
+#[error("`{0}` is not a scan: expected x, y, heading and distances")]
 pub struct NotAScan(String);
 
 impl FromStr for Scan {

@@ -71,7 +71,7 @@ fn check_files(files: &[PathBuf], output: &Path) -> anyhow::Result<()> {
         }
         if Language::of(file).is_none() {
             bail!(
-                "`{}` is no C or C++ source: the files of a program are named `*.c`, `*.cpp`, `*.cc` or `*.cxx`",
+                "`{}` is not C or C++ source: the files of a program are named `*.c`, `*.cpp`, `*.cc` or `*.cxx`",
                 file.display()
             );
         }
@@ -99,6 +99,6 @@ mod tests {
     fn sources_are_not_overwritten_and_objects_not_compiled() {
         assert_eq!(check(&["maze.c", "MAP.C", "plan.cpp"], "maze.so"), Ok(()));
         assert!(check(&["maze.c"], "map.c").expect_err("a source").contains("written over `map.c`"));
-        assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is no C or C++ source"));
+        assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is not C or C++ source"));
     }
 }

@@ -62,7 +62,7 @@ pub fn run(args: &DiffArgs) -> anyhow::Result<ExitCode> {
 /// Reads the report at `path`; returns `None` if the file is a trace.
 fn read_report(path: &Path) -> anyhow::Result<Option<Value>> {
     let name = || format!("`{}`", path.display());
-    ensure!(std::fs::metadata(path).with_context(name)?.is_file(), "{} is no file", name());
+    ensure!(std::fs::metadata(path).with_context(name)?.is_file(), "{} is not a file", name());
     let trace_error = match TraceReader::open(path) {
         Ok(_) => return Ok(None),
         Err(error) => error,
@@ -70,7 +70,7 @@ fn read_report(path: &Path) -> anyhow::Result<Option<Value>> {
     let report: Option<Value> = serde_json::from_slice(&read_regular(path).with_context(name)?).ok();
     match report.filter(|report| report["digest"].is_string() && report["robots"].is_array()) {
         Some(report) => Ok(Some(report)),
-        None => bail!("{} is no report of a run, and {trace_error}", name()),
+        None => bail!("{} is not a report of a run, and {trace_error}", name()),
     }
 }
 

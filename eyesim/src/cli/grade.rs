@@ -149,7 +149,7 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let (submissions, ignored) = read(args, folder, &grader)?;
     ensure!(!submissions.is_empty(), "`{}` has no submissions", folder.display());
     for name in ignored {
-        say(format_args!("warning: `{}` is no submission", Printable(&name)));
+        say(format_args!("warning: `{}` is not a submission", Printable(&name)));
     }
     let output_dir = args.output.as_deref().map(prepare).transpose()?;
     let students = grade(args, &mut grader, submissions, output_dir.as_deref())?;

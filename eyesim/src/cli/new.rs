@@ -171,12 +171,12 @@ fn check_name(name: &str, lang: Language) -> anyhow::Result<()> {
     let has_valid_characters = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
     if !has_valid_characters || !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
         bail!(
-            "`{name}` is no name for a program: it starts with a letter and has letters, digits, `-` and `_`{}",
+            "`{name}` is not a name for a program: it starts with a letter and has letters, digits, `-` and `_`{}",
             path_hint(name).unwrap_or_default()
         );
     }
     if lang == Language::Rust && RESERVED.contains(&name.to_ascii_lowercase().as_str()) {
-        bail!("`{name}` is no name for a Rust program: it means something else in Rust");
+        bail!("`{name}` is not a name for a Rust program: it means something else in Rust");
     }
     Ok(())
 }
@@ -362,12 +362,12 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         for name in ["", "1st", "a b", "../a", "-x", "ä"] {
             assert!(
-                new(name, Language::C, folder.path()).expect_err(name).contains("is no name for a program"),
+                new(name, Language::C, folder.path()).expect_err(name).contains("is not a name for a program"),
                 "{name}"
             );
         }
         assert!(
-            new("loop", Language::Rust, folder.path()).expect_err("a keyword").contains("no name for a Rust program")
+            new("loop", Language::Rust, folder.path()).expect_err("a keyword").contains("not a name for a Rust program")
         );
         assert_eq!(new("loop", Language::C, folder.path()), Ok(()));
     }

@@ -125,7 +125,7 @@ impl Collected {
                 ProgramSource::Cargo(folder) => {
                     bail!("`{}` is a Rust package: build it, and name its library", folder.display())
                 }
-                ProgramSource::Embedded(program) => bail!("`{}` is no file", program.reference),
+                ProgramSource::Embedded(program) => bail!("`{}` is not a file", program.reference),
                 ProgramSource::Sources { files, .. } => files.iter().try_for_each(|file| self.add_program(file))?,
                 ProgramSource::Library(file) | ProgramSource::Python(file) => self.add_program(file)?,
             }

@@ -284,7 +284,7 @@ pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
     if is_sim || sim_format::is_scene(&slashed(path), &text) {
         bail!("`{0}` is a scene: `eyesim run {0}` runs it; a suite names it", path.display());
     }
-    bail!("`{}` is no suite: it has no `[suite]`", path.display());
+    bail!("`{}` is not a suite: it has no `[suite]`", path.display());
 }
 
 /// Indices of the selected cases of each suite.

@@ -449,7 +449,7 @@ impl RunStarter for RestartHandler {
             Seed::Number(text) => match text.trim().parse() {
                 Ok(seed) => args.seed = Some(seed),
                 Err(_) => {
-                    return pending.refuse(format!("`{text}` is no seed: expected a number from 0 to {}", u64::MAX));
+                    return pending.refuse(format!("`{text}` is not a seed: expected a number from 0 to {}", u64::MAX));
                 }
             },
         }

@@ -49,7 +49,7 @@ pub enum ArchiveError {
         error: io::Error,
     },
     /// The file is not an archive, or is broken.
-    #[error("`{name}` is no archive that can be read: {error}")]
+    #[error("`{name}` is not a readable archive: {error}")]
     Broken {
         /// The archive.
         name: String,

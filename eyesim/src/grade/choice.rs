@@ -69,7 +69,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         let kind_of = |path: &str| SourceKind::of(path);
         let Some(kind) = kind_of(first) else {
             return Err(format!(
-                "`{}` is no program: expected a source in C or C++, a program in Python, or a library",
+                "`{}` is not a program: expected a source in C or C++, a program in Python, or a library",
                 printable(first)
             ));
         };

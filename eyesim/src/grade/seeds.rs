@@ -31,7 +31,7 @@ pub fn parse_seeds(text: &str) -> Result<Vec<u64>, SeedError> {
                 Some((first, last)) => parse_seed(first).zip(parse_seed(last)).filter(|(first, last)| first <= last),
                 None => parse_seed(word).map(|seed| (seed, seed)),
             };
-            let (first, last) = range.ok_or_else(|| error("is no seed"))?;
+            let (first, last) = range.ok_or_else(|| error("is not a seed"))?;
             if last - first >= MAX_SEEDS || seeds.len() as u64 + (last - first) >= MAX_SEEDS {
                 return Err(error(&format!("makes more than {MAX_SEEDS} seeds")));
             }
@@ -57,10 +57,10 @@ mod tests {
     fn numbers_and_ranges_are_parsed() {
         assert_eq!(parse_seeds("# secret\n7, 3..5\r\n\n11 # last\n"), Ok(vec![7, 3, 4, 5, 11]));
         for (text, line, what) in [
-            ("1\nx", 2, "`x` is no seed"),
-            ("5..3", 1, "`5..3` is no seed"),
+            ("1\nx", 2, "`x` is not a seed"),
+            ("5..3", 1, "`5..3` is not a seed"),
             ("1 1", 1, "repeats seed 1"),
-            ("-1", 1, "no seed"),
+            ("-1", 1, "not a seed"),
             ("0..9999999", 1, "more than"),
             ("# nothing", 1, "has no seeds"),
         ] {

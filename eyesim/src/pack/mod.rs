@@ -63,7 +63,7 @@ pub enum PackError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The file is not a zip file, or is broken.
-    #[error("it is no archive that can be read: {0}")]
+    #[error("it is not a readable archive: {0}")]
     Zip(#[from] ZipError),
     /// The archive has no manifest.
     #[error("it was not written by `eyesim pack`: it has no `{MANIFEST}`")]

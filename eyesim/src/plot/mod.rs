@@ -31,7 +31,7 @@ use sim_host::record::report::write_atomically;
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The file's extension is not that of a supported picture format.
-    #[error("`{0}` is no kind of picture: expected a name that ends in .svg or .png")]
+    #[error("`{0}` is not the name of a picture: expected a name that ends in .svg or .png")]
     Kind(String),
     /// Error of the drawing library.
     #[error("cannot draw the picture: {0}")]

@@ -35,7 +35,7 @@ fn wheel_index(number: i32) -> Option<usize> {
 }
 
 impl FakeRobot {
-    /// Starts a drive that takes `span_s` seconds; returns 1 if that is no duration.
+    /// Starts a drive that takes `span_s` seconds; returns 1 if that is not a duration.
     fn start_drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
         self.act(|state| {
             if !(span_s.is_finite() && span_s >= 0.0) {

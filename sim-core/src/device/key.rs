@@ -52,7 +52,7 @@ pub enum UserInput {
 /// The text does not name a [`UserInput`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
+    "`{0}` is not a key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, or a key of a remote control such as `IRTV_OK`"
 )]
 pub struct UnknownKey(pub String);
 

@@ -53,7 +53,7 @@ pub enum FieldError {
     #[error("{0} heights for {1} corners")]
     Count(usize, usize),
     /// A coordinate or height is infinite or NaN, or beyond 10^9 m.
-    #[error("a place or height is no number up to 1e9 m")]
+    #[error("a place or height is not a number up to 1e9 m")]
     Number,
 }
 

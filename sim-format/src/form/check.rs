@@ -91,10 +91,10 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             if let [from, to] = ends[..] {
                 *gate = [from, to];
             } else {
-                refuse(keys, "gate_mm", "is no gate", "two different points");
+                refuse(keys, "gate_mm", "is not a gate", "two different points");
             }
             if gate[0] == gate[1] && keys.is_complete() && keys.reading().is_some() {
-                refuse(keys, "gate_mm", "is no gate", "two different points");
+                refuse(keys, "gate_mm", "is not a gate", "two different points");
             }
             keys.key("min", "Minimum number of passages; default: 1.").optional(1..=MAX_COUNT, min);
             by_key(keys, by);
@@ -528,7 +528,7 @@ const AREA: Custom<Vec<DVec2>> = Custom {
         };
         let area: f64 = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum();
         if corners.len() < 3 || area == 0.0 {
-            let message = format!("`{}` is no area", context.key);
+            let message = format!("`{}` is not an area", context.key);
             context.reader.sink.error(
                 Code::TomlType,
                 span,

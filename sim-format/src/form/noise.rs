@@ -59,7 +59,7 @@ impl Reader {
     fn preset(&mut self, name: &str, span: Span, alternative: &str) -> Option<Preset> {
         let preset = preset(name);
         if preset.is_none() {
-            let message = format!("`{name}` is no noise profile");
+            let message = format!("`{name}` is not a noise profile");
             let expected = format!("one of {}{alternative}", PRESETS.join(", "));
             let suggestion = line::nearest(name, PRESETS).map(|name| format!("write `{name}`"));
             self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;

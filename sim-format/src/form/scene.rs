@@ -115,7 +115,7 @@ impl Kind<Time> for WholeMicros {
         // The tolerance allows for rounding errors; any decimal fraction of a microsecond in the file is larger.
         if (seconds * 1e6 - micros).abs() > 1e-5 {
             let span = reader.key_span(section, key);
-            let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);
+            let message = format!("{} `{}` ms is not a whole number of microseconds", self.0.name, seconds * 1e3);
             reader.sink.error(Code::NumberRange, span, message, "a multiple of 0.001");
             return None;
         }

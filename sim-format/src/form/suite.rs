@@ -200,7 +200,7 @@ const SEEDS: Custom<Vec<u64>> = Custom {
                         return None;
                     }
                     None => {
-                        let message = format!("`{text}` is no range of seeds");
+                        let message = format!("`{text}` is not a range of seeds");
                         let span = reader.span(item.span());
                         reader.sink.error(Code::TomlType, span, message, "a number, or a range such as \"1..20\"");
                     }

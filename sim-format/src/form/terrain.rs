@@ -291,7 +291,7 @@ const STAIRS_DIRECTION: Custom<StairsDirection> = Custom {
         let index = DIRECTIONS_DEG.iter().position(|direction| *direction == degrees.rem_euclid(360.0));
         if index.is_none() {
             let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
-            let message = format!("direction `{degrees}` is no multiple of a quarter turn");
+            let message = format!("direction `{degrees}` is not a multiple of a quarter turn");
             reader.sink.error(Code::NumberRange, span, message, "0, 90, 180 or 270 degrees");
         }
         index.map(|index| StairsDirection::ALL[index])

@@ -196,7 +196,7 @@ fn read_scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     let mut whole_number = |word: &Word<'_>| match word.text.parse::<u64>().ok().filter(|number| *number <= MAX_CELLS) {
         Some(number) => Some(number as usize),
         None => {
-            let message = format!("`{}` is no whole number", word.text);
+            let message = format!("`{}` is not a whole number", word.text);
             sink.error(Code::ScenLine, word.span, message, SCENARIO_SYNTAX);
             None
         }
@@ -205,7 +205,7 @@ fn read_scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     let numbers: Vec<usize> = numbers.iter().map(&mut whole_number).collect::<Option<_>>()?;
     let value = length.text.parse::<f64>().ok().filter(|value| (0.0..=1e9).contains(value));
     let Some(value) = value else {
-        let message = format!("`{}` is no length", length.text);
+        let message = format!("`{}` is not a length", length.text);
         sink.error(Code::ScenLine, length.span, message, SCENARIO_SYNTAX);
         return None;
     };

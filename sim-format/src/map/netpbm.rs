@@ -117,7 +117,7 @@ impl<'b> Words<'b> {
             }
             None => {
                 let word_text = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
-                let message = format!("`{word_text}` is no whole number ({name}){}", byte_suffix(self.bytes, start));
+                let message = format!("`{word_text}` is not a whole number ({name}){}", byte_suffix(self.bytes, start));
                 sink.error(Code::MapImage, span_of_bytes(self.bytes, start, word.len()), message, FORM);
                 None
             }
@@ -177,7 +177,8 @@ fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2])
             return report_too_few(sink, words.bytes, levels.len(), columns * rows);
         };
         if !matches!(byte, b'0' | b'1') {
-            let message = format!("`{}` is no pixel{}", byte.escape_ascii(), byte_suffix(words.bytes, words.position));
+            let message =
+                format!("`{}` is not a pixel{}", byte.escape_ascii(), byte_suffix(words.bytes, words.position));
             sink.error(
                 Code::MapImage,
                 span_of_bytes(words.bytes, words.position, 1),

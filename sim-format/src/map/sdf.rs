@@ -211,7 +211,7 @@ impl SdfParser<'_, '_> {
                 Err(error) => {
                     let error_index = skipped + (reader.error_position() as usize).min(text.len() - skipped);
                     let span = self.span(error_index, error_index);
-                    self.sink.error(Code::SdfSyntax, span, format!("the file is no XML: {error}"), FORM);
+                    self.sink.error(Code::SdfSyntax, span, format!("the file is not XML: {error}"), FORM);
                     return false;
                 }
             }
@@ -292,7 +292,7 @@ impl SdfParser<'_, '_> {
             match word.parse::<f64>().ok().filter(|number| number.abs() <= MAX_LENGTH) {
                 Some(number) => numbers.push(number),
                 None => {
-                    let message = format!("`{word}` in `<{}>` is no number up to 1e6", element.tag);
+                    let message = format!("`{word}` in `<{}>` is not a number up to 1e6", element.tag);
                     self.sink.error(Code::NumberInvalid, element.span, message, expected);
                     return Vec::new();
                 }

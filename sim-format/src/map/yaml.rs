@@ -153,7 +153,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, KeyValues<'t
         open_key = None;
         let Some(colon) = find_colon(content) else {
             let word = word_at(&line, content, start, content.trim_end().len());
-            let message = format!("`{}` is no key with a value", word.text);
+            let message = format!("`{}` is not a key with a value", word.text);
             sink.warn(Code::MapKey, word.span, message, FORM);
             continue;
         };
@@ -378,7 +378,7 @@ impl<'t> Values<'t, '_> {
             "scale" => Mode::Scale,
             "raw" => Mode::Raw,
             _ => {
-                self.report(Severity::Error, "mode", format!("`{}` is no mode", word.text), expected);
+                self.report(Severity::Error, "mode", format!("`{}` is not a mode", word.text), expected);
                 Mode::Trinary
             }
         }

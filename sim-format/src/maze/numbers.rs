@@ -30,7 +30,7 @@ pub(super) fn read(sink: &mut Sink, text: &str) -> ContestMaze {
         let numbers: Vec<usize> = words.iter().map_while(|word| word.text.parse().ok()).collect();
         let (&[x, y, ref walls @ ..], 6) = (numbers.as_slice(), words.len()) else {
             let message = match words.get(numbers.len()) {
-                Some(word) => format!("`{}` is no whole number", word.text),
+                Some(word) => format!("`{}` is not a whole number", word.text),
                 None => format!("a line of {} numbers", words.len()),
             };
             sink.warn(Code::MazNumbers, line.span(), message, FORM);

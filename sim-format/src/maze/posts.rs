@@ -41,7 +41,7 @@ fn characters(line: &Line<'_>) -> Vec<(char, Span)> {
 }
 
 impl Lattice {
-    /// The lattice of a drawing with `line` as its first line of posts; `None` if `line` is no line of posts.
+    /// The lattice of a drawing with `line` as its first line of posts; `None` if `line` is not a line of posts.
     fn of(line: &[(char, Span)]) -> Option<Self> {
         let indent = line.iter().position(|(character, _)| *character != ' ')?;
         let characters: Vec<char> = line[indent..].iter().map(|(character, _)| *character).collect();

@@ -159,7 +159,7 @@ impl Reader {
     /// Corner of a face; `None`, with a warning, if it is invalid.
     fn read_corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
-            let message = || format!("`{}` is no corner of a face", shortened(word));
+            let message = || format!("`{}` is not a corner of a face", shortened(word));
             self.mistakes.warn(Code::MeshLine, line, FACE_SYNTAX, message);
             return None;
         };

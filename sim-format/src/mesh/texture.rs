@@ -20,7 +20,7 @@ const MAX_BYTES: usize = 16 << 24;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum TextureError {
     /// The format is not supported, or the bytes are damaged.
-    #[error("it is no png, jpg or bmp image that can be read: {0}")]
+    #[error("it is not a readable png, jpg or bmp image: {0}")]
     Format(String),
     /// The image has more than [`MAX_PIXELS`].
     #[error("it has {0} x {1} pixels")]

@@ -26,7 +26,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();
     if !(size.x >= 1.0 && size.y >= 1.0 && size.x * size.y <= MAX_CELLS) {
-        return Err(NotAMaze("the floor is no grid of cells".into()));
+        return Err(NotAMaze("the floor is not a grid of cells".into()));
     }
     let mut drawing = MazeCanvas::new(size.x as usize, size.y as usize);
     for wall in &world.walls {
@@ -68,7 +68,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     ];
     let first_reason = reasons.into_iter().find(|(differs, _)| *differs);
     let reason = first_reason.map_or("its objects stand elsewhere", |(_, reason)| reason);
-    Err(NotAMaze(format!("the world is no maze: {reason}").into()))
+    Err(NotAMaze(format!("the world is not a maze: {reason}").into()))
 }
 
 /// Properties of a maze world that a maze file cannot represent.

@@ -659,7 +659,7 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
     };
     assert_eq!(
         reported("medium = \"alhoa\""),
-        ["4:10 toml-choice `alhoa` is no medium; one of free, aloha, token_ring; write `aloha`"]
+        ["4:10 toml-choice `alhoa` is not a valid `medium`; one of free, aloha, token_ring; write `aloha`"]
     );
     assert_eq!(reported("medium = 1"), ["4:10 toml-type `medium` is of type integer; one of free, aloha, token_ring"]);
     let bauds = "an integer from 1 to 1000000000";
@@ -674,7 +674,7 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
     }
     assert_eq!(
         reported("latency_ms = 0.0005"),
-        ["4:1 number-range latency `0.0005` ms is no whole number of microseconds; a multiple of 0.001"]
+        ["4:1 number-range latency `0.0005` ms is not a whole number of microseconds; a multiple of 0.001"]
     );
     let lengths = "a number in mm from 0.001 to 1000000000";
     for number in ["0", "-5", "nan", "inf"] {

@@ -51,12 +51,12 @@ fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
         while !indices.is_empty() {
             let (index, rest) = indices.split_once(']').ok_or_else(|| format!("`{path}` has no `]`"))?;
             let Ok(index) = index.trim().parse::<usize>() else {
-                return Err(format!("`{index}` in `{path}` is no index from 0"));
+                return Err(format!("`{index}` in `{path}` is not an index from 0"));
             };
             let count = value.as_array().map(Vec::len);
             value = value.get(index).ok_or_else(|| match count {
                 Some(count) => format!("`{found_path}` has {count} entries, counted from 0"),
-                None => format!("`{found_path}` is no list"),
+                None => format!("`{found_path}` is not a list"),
             })?;
             found_path.push_str(&format!("[{index}]"));
             indices = match rest.strip_prefix('[') {
@@ -76,7 +76,7 @@ fn number(value: &Value, path: &str) -> Result<f64, String> {
         Value::Bool(flag) => Ok(f64::from(u8::from(*flag))),
         Value::Null => Err(format!("`{path}` has no value in this run")),
         Value::String(text) => Err(format!("`{path}` is the text `{text}`, no number")),
-        Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is no number")),
+        Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is not a number")),
     }
 }
 

@@ -133,7 +133,7 @@ pub(super) fn judge(
     let line = last_line(&stdout).ok_or_else(|| format!("`{name}` printed no verdict; expected {EXPECTED}"))?;
     let answer = stdout.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().trim();
     let answer: Answer = serde_json::from_str(answer).map_err(|error| {
-        format!("the last line of `{name}` is no verdict: {error}; expected {EXPECTED}, found `{line}`")
+        format!("the last line of `{name}` is not a verdict: {error}; expected {EXPECTED}, found `{line}`")
     })?;
     let fraction = match answer.points {
         None => f64::from(u8::from(answer.passed)),

@@ -68,7 +68,7 @@ fn numbers_are_found_by_path_and_points_are_partial() {
         ("robots[1].path_m", "`robots` has 1 entries, counted from 0"),
         ("robots[0].path", "`robots[0]` has no `path`; it has lcd, path_m, reason"),
         ("robots[0", "`robots[0` has no `]`"),
-        ("robots[-1]", "`-1` in `robots[-1]` is no index from 0"),
+        ("robots[-1]", "`-1` in `robots[-1]` is not an index from 0"),
         ("robots[0]x", "`robots[0]x`: expected `.` or `[` after `robots[0]`"),
         ("robots[0].reason", "`robots[0].reason` has no value in this run"),
         ("robots[0].lcd[0]", "`robots[0].lcd[0]` is the text `a`, no number"),

@@ -410,7 +410,7 @@ fn reason_of_trap(failure: &Failure, program: &RobotProgram) -> Option<&'static 
             "the program wrote over the end of a local array, and over what lies above it on the stack (stack smashed)",
         ),
         "eyesim_trap_off_task" => Some(
-            "the program cannot be left: it ended on a thread that is no task of the robot, or after a jump out of a function that the \
+            "the program cannot be left: it ended on a thread that is not a task of the robot, or after a jump out of a function that the \
              host has called",
         ),
         _ => None,

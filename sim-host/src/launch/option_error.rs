@@ -64,7 +64,7 @@ pub enum OptionError {
         robot: u32,
     },
     /// The noise profile is neither a preset nor a file.
-    #[error("--noise: `{name}` is no noise profile: expected one of {}, or a file NAME.toml", PRESETS.join(", "))]
+    #[error("--noise: `{name}` is not a noise profile: expected one of {}, or a file NAME.toml", PRESETS.join(", "))]
     UnknownNoise {
         /// The option's value.
         name: String,

@@ -227,11 +227,11 @@ pub enum NotAScene {
     #[error("`{path}` is a suite: `eyesim test {path}` runs it", path = .0.display())]
     Suite(PathBuf),
     /// The path is a TOML file without the tables of a scene.
-    #[error("`{}` is no scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
+    #[error("`{}` is not a scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
     OtherToml(PathBuf),
     /// The extension belongs to another kind of file.
     #[error(
-        "`{}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type and a program",
+        "`{}` is not a scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type and a program",
         .0.display()
     )]
     OtherFile(PathBuf),

@@ -192,7 +192,7 @@ impl Lines {
     /// Opens the trace in `file`.
     ///
     /// # Errors
-    /// It cannot be read, or is no trace.
+    /// It cannot be read, or is not a trace.
     pub fn open(file: File) -> io::Result<Self> {
         let reader = SerializedFileReader::new(file).map_err(|error| damaged(io_error(error)))?;
         let metadata = reader.metadata().file_metadata();

@@ -89,10 +89,10 @@ fn parse(text: &str) -> Result<(&str, f64), String> {
     let (name, value) = (name.trim(), value.trim());
     let is_name = |name: &str| name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
     if name.is_empty() || !is_name(name) {
-        return Err(format!("`{name}` is no name of letters, digits, `_`, `-` and `.`; {EXPECTED}"));
+        return Err(format!("`{name}` is not a name of letters, digits, `_`, `-` and `.`; {EXPECTED}"));
     }
     let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.map(|number| (name, number)).ok_or_else(|| format!("`{value}` is no finite number; {EXPECTED}"))
+    number.map(|number| (name, number)).ok_or_else(|| format!("`{value}` is not a finite number; {EXPECTED}"))
 }
 
 impl Sink for Notes {
@@ -157,7 +157,7 @@ mod tests {
             notes.remarks[0],
             "r3: `METRIC 12.5` is not kept: expected `METRIC name=value`, such as `METRIC error_mm=12.5`"
         );
-        assert!(notes.remarks[2].contains("`nan` is no finite number"), "{}", notes.remarks[2]);
+        assert!(notes.remarks[2].contains("`nan` is not a finite number"), "{}", notes.remarks[2]);
         for number in 0..2 * MAX_METRICS {
             notes.add_output_line(robot, &format!("METRIC m{number}=1"));
         }

@@ -40,7 +40,7 @@ pub enum Type {
 
 /// Writer of a table, row by row: the cells of a row in any order, then [`Self::end_row`].
 ///
-/// The methods for cells panic if `column` is no column of their type.
+/// The methods for cells panic if `column` is not a column of their type.
 pub struct TableWriter<W: Write + Send> {
     file: SerializedFileWriter<W>,
     columns: Vec<Column>,

@@ -33,7 +33,7 @@ pub enum TraceError {
         source: io::Error,
     },
     /// The file is not a trace.
-    #[error("`{}` is no trace: {why}", path.display())]
+    #[error("`{}` is not a trace: {why}", path.display())]
     NoTrace {
         /// The file as the user named it.
         path: PathBuf,
@@ -170,9 +170,9 @@ impl<R: BufRead> TraceReader<R> {
             Err(error) => return Err(error),
         }
         let value: Value = serde_json::from_slice(&reader.bytes)
-            .map_err(|error| no_trace(&reader, &format!("its first line is no JSON: {error}")))?;
+            .map_err(|error| no_trace(&reader, &format!("its first line is not JSON: {error}")))?;
         if value["event"] != "header" {
-            return Err(no_trace(&reader, "its first line is no `header`"));
+            return Err(no_trace(&reader, "its first line is not a `header`"));
         }
         let version = value["eyesim_version"].as_str().unwrap_or("?").to_owned();
         // The first version was not written.
@@ -217,12 +217,12 @@ impl<R: BufRead> TraceReader<R> {
             Ok(value) => value,
             // The process was killed while it wrote this line.
             Err(_) if !is_complete => return Ok(None),
-            Err(error) => return Err(self.wrong(&format!("it is no JSON: {error}"))),
+            Err(error) => return Err(self.wrong(&format!("it is not JSON: {error}"))),
         };
         let head =
-            Head::deserialize(&value).map_err(|error| self.wrong(&format!("it is no line of a trace: {error}")))?;
+            Head::deserialize(&value).map_err(|error| self.wrong(&format!("it is not a line of a trace: {error}")))?;
         if !(0.0..=MAX_SECONDS).contains(&head.t_s) {
-            return Err(self.wrong(&format!("`t_s` {:?} is no time: expected 0 to {MAX_SECONDS} seconds", head.t_s)));
+            return Err(self.wrong(&format!("`t_s` {:?} is not a time: expected 0 to {MAX_SECONDS} seconds", head.t_s)));
         }
         let at = Time((head.t_s * 1e6).round() as i64);
         let digest = |this: &Self| head.digest.ok_or_else(|| this.wrong("it has no `digest`"));
@@ -366,17 +366,17 @@ mod tests {
 
     #[test]
     fn other_files_give_an_error() {
-        assert_eq!(message(""), "`t.jsonl` is no trace: it is empty");
-        assert_eq!(message("{}\n"), "`t.jsonl` is no trace: its first line is no `header`");
-        assert!(message("robi eve.robi\n").starts_with("`t.jsonl` is no trace: its first line is no JSON"));
-        assert!(message([0xff, 0x00, b'\n']).starts_with("`t.jsonl` is no trace: its first line is no JSON"));
+        assert_eq!(message(""), "`t.jsonl` is not a trace: it is empty");
+        assert_eq!(message("{}\n"), "`t.jsonl` is not a trace: its first line is not a `header`");
+        assert!(message("robi eve.robi\n").starts_with("`t.jsonl` is not a trace: its first line is not JSON"));
+        assert!(message([0xff, 0x00, b'\n']).starts_with("`t.jsonl` is not a trace: its first line is not JSON"));
         assert_eq!(
             message(HEADER.replace("\"schema\":1", "\"schema\":9")),
             "`t.jsonl` is a trace of schema 9, made by eyesim 0.1.0: this one reads schema 1"
         );
         for (old, new) in [("50000", "0"), ("50000", "-1"), ("50000", "NaN"), ("7", "-7"), ("[]", "3")] {
             let why = message(HEADER.replace(old, new));
-            assert!(why.starts_with("`t.jsonl` is no trace: "), "{old} to {new}: {why}");
+            assert!(why.starts_with("`t.jsonl` is not a trace: "), "{old} to {new}: {why}");
         }
         let missing = Recorded::read(Path::new("no-such-trace.jsonl")).expect_err("there is none").to_string();
         assert!(missing.starts_with("cannot read the trace `no-such-trace.jsonl`: "), "{missing}");
@@ -386,16 +386,16 @@ mod tests {
     fn error_names_the_invalid_line() {
         let line_2 = |line: &str| message(format!("{HEADER}\n{line}\n"));
         for (line, why) in [
-            ("[", "it is no JSON"),
-            ("{}", "it is no line of a trace: missing field `event`"),
-            ("[]", "it is no line of a trace"),
-            (r#"{"event":"pose"}"#, "it is no line of a trace: missing field `t_s`"),
-            (r#"{"event":"pose","t_s":NaN}"#, "it is no JSON"),
-            (r#"{"event":"pose","t_s":null}"#, "it is no line of a trace"),
-            (r#"{"event":"pose","t_s":-1}"#, "`t_s` -1.0 is no time"),
-            (r#"{"event":"pose","t_s":1e300}"#, "`t_s` 1e300 is no time"),
+            ("[", "it is not JSON"),
+            ("{}", "it is not a line of a trace: missing field `event`"),
+            ("[]", "it is not a line of a trace"),
+            (r#"{"event":"pose"}"#, "it is not a line of a trace: missing field `t_s`"),
+            (r#"{"event":"pose","t_s":NaN}"#, "it is not JSON"),
+            (r#"{"event":"pose","t_s":null}"#, "it is not a line of a trace"),
+            (r#"{"event":"pose","t_s":-1}"#, "`t_s` -1.0 is not a time"),
+            (r#"{"event":"pose","t_s":1e300}"#, "`t_s` 1e300 is not a time"),
             (r#"{"event":"slot","t_s":1}"#, "it has no `digest`"),
-            (r#"{"event":"slot","t_s":1,"digest":"12"}"#, "it is no line of a trace: a digest has 64"),
+            (r#"{"event":"slot","t_s":1,"digest":"12"}"#, "it is not a line of a trace: a digest has 64"),
             (r#"{"event":"intervention","t_s":1}"#, "`action` is nothing that a hand can do"),
             (r#"{"event":"intervention","t_s":1,"action":{"do":"fly"}}"#, "`action` is nothing that a hand can do"),
         ] {

@@ -84,7 +84,7 @@ pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
         return 0;
     }
     let file = robot.robios.storage.read(sample).map_err(|error| error.to_string());
-    match file.and_then(|file| Wave::parse(&file).ok_or_else(|| "it is no WAV file".to_owned())) {
+    match file.and_then(|file| Wave::parse(&file).ok_or_else(|| "it is not a WAV file".to_owned())) {
         Ok(wave) => {
             play(robot, wave);
             0

@@ -222,14 +222,14 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     }
     robot.refuse_call(Call::LCDImageSize, 1, |_| {
         let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
-        format!("{resolution} is no resolution: expected {} or CUSTOM", names.join(", "))
+        format!("{resolution} is not a resolution: expected {} or CUSTOM", names.join(", "))
     })
 }
 
 /// `LCDImageStart`: sets the position; each image call passes its own size.
 pub fn set_image_start(robot: &mut Robot, corner: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
-        return robot.refuse_call(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
+        return robot.refuse_call(Call::LCDImageStart, 1, |_| format!("{width} x {height} is not a size of an image"));
     }
     robot.screen().set_image_corner(corner);
     0

@@ -72,16 +72,16 @@ pub struct Press {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
     /// The text does not have the form of a press.
-    #[error("`{0}` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`")]
+    #[error("`{0}` is not a key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`")]
     Form(String),
     /// The key is unknown.
     #[error(transparent)]
     Key(#[from] UnknownKey),
     /// The time is invalid.
-    #[error("`{0}` is no time: expected seconds from 0 to 1e9, such as `2.5`")]
+    #[error("`{0}` is not a time: expected seconds from 0 to 1e9, such as `2.5`")]
     Time(String),
     /// The robot's number is invalid.
-    #[error("`{0}` is no robot: expected its number from 1, such as `2` or `r2`")]
+    #[error("`{0}` is not a robot: expected its number from 1, such as `2` or `r2`")]
     Robot(String),
 }
 
@@ -174,7 +174,7 @@ fn take_key(robot: &mut Robot, codes: i32) -> Option<i32> {
 pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
     let key_codes = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
     if codes & key_codes == 0 {
-        return Poll::Ready(robot.refuse_call(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
+        return Poll::Ready(robot.refuse_call(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is not a key")));
     }
     wait_for(robot, codes & key_codes)
 }
@@ -269,14 +269,14 @@ mod tests {
     fn errors_in_scripts() {
         let no_key = |word: &str| {
             format!(
-                "`{word}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, \
+                "`{word}` is not a key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, \
                  or a key of a remote control such as `IRTV_OK`"
             )
         };
         for (script, message) in [
             (
                 "KEY1",
-                "`KEY1` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`",
+                "`KEY1` is not a key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`",
             ),
             ("1:KEY5", &no_key("KEY5")),
             ("1:TOUCH", &no_key("TOUCH")),
@@ -284,10 +284,10 @@ mod tests {
             ("1:TOUCH(1,65536)", &no_key("TOUCH(1,65536)")),
             ("1:TOUCH(1,2", &no_key("TOUCH(1,2")),
             ("1:TOUCH(1,2)3", &no_key("TOUCH(1,2)3")),
-            ("-1:KEY1", "`-1` is no time: expected seconds from 0 to 1e9, such as `2.5`"),
-            ("nan:KEY1", "`nan` is no time: expected seconds from 0 to 1e9, such as `2.5`"),
-            ("0:1:KEY1", "`0` is no robot: expected its number from 1, such as `2` or `r2`"),
-            ("x:1:KEY1", "`x` is no robot: expected its number from 1, such as `2` or `r2`"),
+            ("-1:KEY1", "`-1` is not a time: expected seconds from 0 to 1e9, such as `2.5`"),
+            ("nan:KEY1", "`nan` is not a time: expected seconds from 0 to 1e9, such as `2.5`"),
+            ("0:1:KEY1", "`0` is not a robot: expected its number from 1, such as `2` or `r2`"),
+            ("x:1:KEY1", "`x` is not a robot: expected its number from 1, such as `2` or `r2`"),
         ] {
             assert_eq!(parse_script(script).unwrap_err().to_string(), message);
         }

@@ -17,7 +17,7 @@ pub struct Picture {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PnmError {
     /// The file does not begin with `P1` to `P6`.
-    #[error("it is no PNM file, which begins with P1 to P6")]
+    #[error("it is not a PNM file, which begins with P1 to P6")]
     Kind,
     /// The file has another format of the same family.
     #[error("it is a PAM file (P7), expected P1 to P6")]
@@ -26,7 +26,7 @@ pub enum PnmError {
     #[error("its {0} is missing or out of range, expected {1}")]
     Header(&'static str, &'static str),
     /// A sample is not a number, or exceeds the maximum in the header.
-    #[error("pixel {0} is no number from 0 to {1}")]
+    #[error("pixel {0} is not a number from 0 to {1}")]
     Sample(u64, u32),
     /// The file has too few bytes for the pixels that the header states.
     #[error("it ends before the {0} pixels of its head")]

@@ -34,7 +34,7 @@ pub fn send(robot: &mut Robot, world: &World, id: i32, text: Option<&[u8]>) -> i
         Some(text) if text.len() > MAX_TEXT => {
             Err(format!("the text has {} bytes, a message has at most {MAX_TEXT}", text.len()))
         }
-        Some(_) if id < 0 => Err(format!("{id} is no address, accepted: 0 for everybody, the number of a robot")),
+        Some(_) if id < 0 => Err(format!("{id} is not an address, accepted: 0 for everybody, the number of a robot")),
         Some(text) => Ok(text),
     };
     radio::send(robot, world, Call::RADIOSend, id.unsigned_abs(), payload)

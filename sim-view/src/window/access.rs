@@ -146,7 +146,7 @@ mod tests {
         for wrong in ["", "abc", "abcabcabc", "abcabd", "ABCABC"] {
             assert_eq!(class.may_act(Some(wrong)), None, "{wrong}");
         }
-        assert_eq!(Access::Class { token: String::new() }.may_act(Some("")), None, "an empty token is no token");
+        assert_eq!(Access::Class { token: String::new() }.may_act(Some("")), None, "an empty token is not a token");
         let (first, second) = (random_token().unwrap(), random_token().unwrap());
         assert_eq!(first.len(), 32);
         assert_ne!(first, second);

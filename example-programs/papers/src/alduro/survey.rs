@@ -218,7 +218,7 @@ fn echoes(trace: &Trace) -> anyhow::Result<Vec<SonarReading>> {
     for entry in trace.of_robot(1) {
         let Event::Distance { device, distance_m: Some(distance), measured_s } = &entry.event else { continue };
         let number: usize =
-            device.strip_prefix("SONAR_").and_then(|n| n.parse().ok()).context("a device that is no sonar")?;
+            device.strip_prefix("SONAR_").and_then(|n| n.parse().ok()).context("a device that is not a sonar")?;
         let (x, y) = position_at(*measured_s).context("no poses")?;
         let (lateral, pitch_deg) = mount(number - 1);
         let origin = Vector3::new(x, y + lateral, HEIGHT);

@@ -191,7 +191,7 @@ impl Truth {
         let obstacle = obstacle.context("it has no obstacle")?;
         let size = match obstacle.kind.colliders[..] {
             [sim_core::spec::Collider::Box { size, .. }] => size,
-            _ => bail!("the obstacle is no box"),
+            _ => bail!("the obstacle is not a box"),
         };
         let slot = Time::from_millis(50);
         let world = World::new(build::obstacles(scene), slot, std::iter::empty()).with_space(build::space(scene));

@@ -30,7 +30,7 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     let labs = labs.context("this installation has no labs: set EYESIM_HOME to a folder that contains `labs`")?;
     let Some((_, source)) = lab_folders(&labs)?.into_iter().find(|(name, _)| name == lab) else {
         let names: Vec<String> = lab_folders(&labs)?.into_iter().map(|(name, _)| name).collect();
-        bail!("`{lab}` is no lab: expected one of {}", names.join(", "));
+        bail!("`{lab}` is not a lab: expected one of {}", names.join(", "));
     };
     let name = args.name.as_deref().unwrap_or(lab);
     check_name(name, args.lang)?;

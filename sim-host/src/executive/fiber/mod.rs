@@ -144,7 +144,7 @@ enum Status {
     Failed,
 }
 
-/// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is no fiber. `work` must not
+/// Runs `work` on the stack of the calling fiber's worker, or directly if the caller is not a fiber. `work` must not
 /// suspend the flow.
 #[inline]
 pub(super) fn run_on_host_stack(work: &mut dyn FnMut()) {
