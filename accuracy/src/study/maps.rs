@@ -1,9 +1,9 @@
 //! `maps`: fraction of wrong or unknown cells in maps from sonars, against the computing time of the map.
 //!
-//! A ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with boxes, and makes
-//! two scans at each stop, half a sector apart. All methods of `mapping` build their maps from the same readings at
-//! exact poses. The error is the fraction of free cells and surfaces that are wrong or unknown in the map, as a mean
-//! over the rooms.
+//! A robot with a ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with
+//! boxes and makes two scans at each stop, half a sector apart. All methods of `mapping` build their maps from the same
+//! readings at exact poses. The error is the fraction of free cells and surfaces that are wrong or unknown in the map,
+//! as a mean over the rooms.
 
 use std::f64::consts::{FRAC_PI_6, TAU};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use mapping::pose::{Point, Pose};
 use mapping::score::{Occupancy, Truth};
 use mapping::sector::{Fan, Raster, Reading, SectorMap, local_map};
 use mapping::sonar::{Beam, Echo};
-use mapping::sonar_grid::{Silence, SonarGrid};
+use mapping::sonar_grid::{NoEcho, SonarGrid};
 use sim_core::RobotId;
 use sim_core::noise::{RangeErrors, RangeNoise};
 use sim_core::pose::Pose3;
@@ -60,8 +60,9 @@ const NOISE: RangeNoise = RangeNoise {
     drift_time: 60.0,
     device: 0.0,
 };
-/// Side of the rooms, m, and number of boxes in each.
+/// Side of the rooms, m.
 const SIDE: f64 = 5.0;
+/// Number of boxes in each room.
 const BOXES: usize = 5;
 const SEED: u64 = 264_100;
 const ROOMS: usize = 20;
@@ -73,8 +74,8 @@ const HEIGHT: f64 = 40.0;
 type Method = (&'static str, fn(&GridGeometry, &[Vec<Reading>]) -> Grid<f64>);
 
 const METHODS: [Method; 5] = [
-    ("plain", |frame, stops| plain(frame, stops, Silence::Nothing)),
-    ("plain, silence is free", |frame, stops| plain(frame, stops, Silence::Free)),
+    ("plain", |frame, stops| plain(frame, stops, NoEcho::Ignored)),
+    ("plain, free if no echo", |frame, stops| plain(frame, stops, NoEcho::Free)),
     ("log-odds", |frame, stops| {
         let mut map = LogOddsGrid::new(*frame);
         echoes(stops).for_each(|echo| map.add_echo(echo, &SonarModel::new(BEAM)));
@@ -86,7 +87,7 @@ const METHODS: [Method; 5] = [
         map.probabilities().clone()
     }),
     ("Wu et al., log-odds for Eq. 4", |frame, stops| {
-        // Limits the probability of the robot's cells, which is 0, to that of the most certain echo.
+        // Limits probabilities to that of the most certain echo, since the probability of the robot's own cells is 0.
         const MAX_PROBABILITY: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in stops {
@@ -99,13 +100,13 @@ const METHODS: [Method; 5] = [
 ];
 
 /// Probabilities of a plain sonar grid.
-fn plain(frame: &GridGeometry, stops: &[Vec<Reading>], silence: Silence) -> Grid<f64> {
-    let mut map = SonarGrid::new(*frame, BEAM, silence);
+fn plain(frame: &GridGeometry, stops: &[Vec<Reading>], no_echo: NoEcho) -> Grid<f64> {
+    let mut map = SonarGrid::new(*frame, BEAM, no_echo);
     echoes(stops).for_each(|echo| map.add(echo));
     map.probabilities()
 }
 
-/// The readings as echoes of the sonars on the rim.
+/// Converts the readings to echoes of the sonars on the rim.
 fn echoes(stops: &[Vec<Reading>]) -> impl Iterator<Item = Echo> {
     stops.iter().flatten().map(|reading| {
         let position = reading.axis.outward(Point::new(FAN.radius, 0.0));

@@ -34,14 +34,14 @@ pub struct SonarModel {
     /// Log-odds of a cell in front of the arc, below 0.
     pub cone: f64,
     /// Log-odds of a cell within the range of a reading without an echo, at most 0.
-    pub silence: f64,
+    pub no_echo: f64,
 }
 
 impl SonarModel {
     /// Probabilities of 0.7 in the arc and 0.3 in front of it. A reading without an echo is no evidence, since a mirror
     /// may be the cause.
     pub fn new(beam: Beam) -> Self {
-        Self { beam, arc: log_odds(0.7), cone: log_odds(0.3), silence: 0.0 }
+        Self { beam, arc: log_odds(0.7), cone: log_odds(0.3), no_echo: 0.0 }
     }
 }
 
@@ -81,7 +81,7 @@ impl LogOddsGrid {
         let max_distance = echo.distance.map_or(model.beam.farthest, |distance| distance + half_cell);
         for in_beam in model.beam.cells(&frame, echo.sonar, max_distance) {
             let evidence = match echo.distance {
-                None => model.silence,
+                None => model.no_echo,
                 Some(distance) if in_beam.distance > distance - half_cell => model.arc,
                 Some(_) => model.cone,
             };

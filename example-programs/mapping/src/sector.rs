@@ -67,7 +67,7 @@ pub enum Case {
     /// Continuous on neither side (Figure 4).
     FaultBothSides,
     /// No echo: the sector is free up to R_max, or has a mirror (Eq. 3).
-    Silent,
+    NoEcho,
 }
 
 /// A straight line segment, in metres.
@@ -118,7 +118,7 @@ impl Fan {
     /// The lines of a sector from its own reading and those of its neighbours to the right and to the left, in metres
     /// from the rim.
     ///
-    /// Our choices where the text is silent:
+    /// Our choices where the paper gives no rule:
     ///
     /// - Readings count as equal within [`EQUAL_READINGS`]. Three equal readings are `WallAhead`. Two are `WallBeside`,
     ///   on the side of the neighbour whose reading is not larger; otherwise a line would cut off a corner that lies at
@@ -128,7 +128,7 @@ impl Fan {
     /// - Length of the line of a one-sided fault: up to the middle of the sector (`FaultBeyond`), since the surface is
     ///   known only at the common edge; up to the tangent point (`FaultBefore`), from which the echo came.
     pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
-        let Some(own_distance) = own else { return Model { case: Case::Silent, lines: Vec::new() } };
+        let Some(own_distance) = own else { return Model { case: Case::NoEcho, lines: Vec::new() } };
         let if_continuous = |other: Option<f64>| match other {
             Some(other) if self.relation(own, Some(other)) == Relation::Continuous => Some(other + self.radius),
             _ => None,
@@ -612,7 +612,7 @@ mod tests {
             (None, Some(0.9), far, Case::FaultBothSides),
             (None, Some(0.9), None, Case::FaultBothSides),
             (Some(0.5), Some(0.9), Some(0.5), Case::FaultBothSides),
-            (Some(0.9), None, Some(0.9), Case::Silent),
+            (Some(0.9), None, Some(0.9), Case::NoEcho),
         ] {
             let model = FAN.model(right, own, left);
             assert_eq!(

@@ -11,9 +11,9 @@ use crate::sonar::{Beam, Echo};
 
 /// Interpretation of a reading without an echo.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Silence {
+pub enum NoEcho {
     /// No information: a mirror may be the cause.
-    Nothing,
+    Ignored,
     /// The beam is free up to its maximum distance.
     Free,
 }
@@ -22,24 +22,24 @@ pub enum Silence {
 #[derive(Clone, PartialEq, Debug)]
 pub struct SonarGrid {
     beam: Beam,
-    silence: Silence,
+    no_echo: NoEcho,
     counts: Grid<(u32, u32)>,
 }
 
 impl SonarGrid {
     /// A grid without readings.
-    pub fn new(frame: GridGeometry, beam: Beam, silence: Silence) -> Self {
-        Self { beam, silence, counts: Grid::new(frame, (0, 0)) }
+    pub fn new(frame: GridGeometry, beam: Beam, no_echo: NoEcho) -> Self {
+        Self { beam, no_echo, counts: Grid::new(frame, (0, 0)) }
     }
 
     /// Adds a reading; its arc is one cell thick.
     pub fn add(&mut self, echo: Echo) {
         let frame = *self.counts.frame();
         let half_cell = 0.5 * frame.cell_size();
-        let (free_distance, max_distance) = match (echo.distance, self.silence) {
+        let (free_distance, max_distance) = match (echo.distance, self.no_echo) {
             (Some(distance), _) => (distance - half_cell, distance + half_cell),
-            (None, Silence::Free) => (self.beam.farthest, self.beam.farthest),
-            (None, Silence::Nothing) => return,
+            (None, NoEcho::Free) => (self.beam.farthest, self.beam.farthest),
+            (None, NoEcho::Ignored) => return,
         };
         for in_beam in self.beam.cells(&frame, echo.sonar, max_distance) {
             let (arcs, cones) = &mut self.counts[in_beam.cell];
@@ -66,13 +66,13 @@ mod tests {
         let frame = GridGeometry::new(Point::origin(), 0.1, 30, 20);
         let beam = Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 };
         let sonar = Pose::new(0.05, 1.05, 0.0);
-        let mut grid = SonarGrid::new(frame, beam, Silence::Nothing);
+        let mut grid = SonarGrid::new(frame, beam, NoEcho::Ignored);
         grid.add(Echo { sonar, distance: Some(1.0) });
         grid.add(Echo { sonar, distance: None });
         let at = |grid: &SonarGrid, x, y| *grid.probabilities().at(Point::new(x, y)).expect("in the grid");
         assert_eq!([0.55, 1.05, 1.15, 1.95].map(|x| at(&grid, x, 1.05)), [0.0, 1.0, 0.5, 0.5]);
         assert_eq!((at(&grid, 1.05, 1.25), at(&grid, 1.05, 1.45)), (1.0, 0.5));
-        let mut grid = SonarGrid::new(frame, beam, Silence::Free);
+        let mut grid = SonarGrid::new(frame, beam, NoEcho::Free);
         grid.add(Echo { sonar, distance: Some(1.0) });
         grid.add(Echo { sonar, distance: None });
         assert_eq!([0.55, 1.05, 1.15, 1.95].map(|x| at(&grid, x, 1.05)), [0.0, 0.5, 0.0, 0.0]);

@@ -220,7 +220,7 @@ fn against_plain(mirrors: &[Mapped]) -> Claim {
 
 fn mirror_scores(mirrors: &[Mapped]) -> Table {
     let head =
-        ["run", "right of observed", "plain", "plain, silence is free", "recall", "plain", "plain, silence is free"];
+        ["run", "right of observed", "plain", "plain, free if no echo", "recall", "plain", "plain, free if no echo"];
     let mut table = Table::new("mirrors", "Maps among mirrors, from six starts in each of two rooms", &head);
     for run in mirrors {
         let kinds = [MapMethod::Wu, MapMethod::Plain, MapMethod::PlainFree].map(|kind| run.score(kind));

@@ -13,7 +13,7 @@ use mapping::pose::{Point, Pose, wrapped};
 use mapping::score::{Occupancy, Score, Truth};
 use mapping::sector::{Fan, Raster, Reading, Relation, Scan, SectorMap, local_map};
 use mapping::sonar::{Beam, Echo};
-use mapping::sonar_grid::{Silence, SonarGrid};
+use mapping::sonar_grid::{NoEcho, SonarGrid};
 use sim_core::spec::SceneSpec;
 use sim_format::load_scene;
 use sim_host::files::DiskFiles;
@@ -53,7 +53,7 @@ impl MapMethod {
             Self::WuDda => "Wu et al., DDA",
             Self::WuLogOdds => "Wu et al., log-odds for Eq. 4",
             Self::Plain => "plain",
-            Self::PlainFree => "plain, silence is free",
+            Self::PlainFree => "plain, free if no echo",
             Self::LogOdds => "log-odds",
         }
     }
@@ -245,8 +245,8 @@ impl Mapped {
             MapMethod::Wu => self.wu(frame, Raster::PointByPoint),
             MapMethod::WuDda => self.wu(frame, Raster::Dda),
             MapMethod::WuLogOdds => self.wu_log_odds(frame),
-            MapMethod::Plain => self.plain(frame, Silence::Nothing),
-            MapMethod::PlainFree => self.plain(frame, Silence::Free),
+            MapMethod::Plain => self.plain(frame, NoEcho::Ignored),
+            MapMethod::PlainFree => self.plain(frame, NoEcho::Free),
             MapMethod::LogOdds => {
                 let mut map = LogOddsGrid::new(*frame);
                 self.echoes().for_each(|echo| map.add_echo(echo, &SonarModel::new(BEAM)));
@@ -275,8 +275,8 @@ impl Mapped {
         map.probabilities()
     }
 
-    fn plain(&self, frame: &GridGeometry, silence: Silence) -> Grid<f64> {
-        let mut map = SonarGrid::new(*frame, BEAM, silence);
+    fn plain(&self, frame: &GridGeometry, no_echo: NoEcho) -> Grid<f64> {
+        let mut map = SonarGrid::new(*frame, BEAM, no_echo);
         self.echoes().for_each(|echo| map.add(echo));
         map.probabilities()
     }
