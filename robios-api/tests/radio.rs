@@ -7,7 +7,7 @@ use robios_api::{Baud, RadioSettings, RobotNumber, robios7};
 #[test]
 fn messages_arrive_in_order_at_their_times() {
     let fake = Fake::new()
-        .message(50.millis(), RobotNumber(9), *b"before it is on")
+        .message(50.millis(), RobotNumber(9), *b"before the radio is on")
         .message(300.millis(), RobotNumber(3), *b"second")
         .message(200.millis(), RobotNumber(2), *b"first");
     let run = fake.run(|robot| -> Result {
@@ -46,10 +46,10 @@ fn settings_change_only_before_the_radio_is_on() {
         let settings = RadioSettings { speed: Some(Baud::B9600), id: Some(RobotNumber(77)) };
         let radio = robot.radio_with(settings)?;
         assert_eq!((radio.settings()?, radio.status()?.id), (settings, RobotNumber(77)));
-        assert!(robot.radio_with(RadioSettings { speed: None, id: Some(RobotNumber(3)) }).is_err(), "it is on");
+        assert!(robot.radio_with(RadioSettings { speed: None, id: Some(RobotNumber(3)) }).is_err(), "the radio is on");
         let same = robot.radio()?;
         drop(radio);
-        same.broadcast(b"on still")?;
+        same.broadcast(b"still on")?;
         drop(same);
         Ok(())
     });
@@ -82,7 +82,7 @@ fn robios7_messages_end_at_a_zero() {
 #[test]
 fn invalid_utf8_is_an_error() {
     let run = Fake::new().message(200.millis(), RobotNumber(2), [b'a', 0xFF]).run(|robot| -> Result {
-        let error = robot.radio()?.receive()?.text().map(str::to_owned).expect_err("no UTF-8");
+        let error = robot.radio()?.receive()?.text().map(str::to_owned).expect_err("not UTF-8");
         assert_eq!(error.to_string(), "the message of 2 bytes from robot 2 is not text");
         Ok(())
     });
@@ -135,7 +135,8 @@ mod typed {
         assert!(run.expect_finished().sent().iter().all(|sent| !sent.bytes.contains(&0)));
     }
 
-    /// Flips any one or two bits of every message, and truncates it anywhere: the result is a value or an error.
+    /// Flips each bit and each pair of bits of every message, and truncates the message to each length. The result is a
+    /// value or an error.
     #[test]
     fn garbled_values_decode_to_errors_or_values() {
         fn garbled(bytes: &[u8]) -> Vec<Vec<u8>> {

@@ -22,8 +22,8 @@ impl RadioNoise {
 
     /// Inverts random bits of `payload`; returns their number, or `None` if the message is lost.
     ///
-    /// The random numbers come from `stream`: first, in any case, one for the loss, then one for each gap between bit
-    /// errors. So a change of P_p does not move the bit errors.
+    /// The random numbers come from `stream`: always one for the loss first, then one for each gap between bit errors.
+    /// A change of P_p therefore does not move the bit errors.
     pub fn garble(&self, stream: &mut Stream, payload: &mut [u8]) -> Option<u32> {
         if stream.unit() < self.packet_loss {
             return None;
@@ -32,18 +32,18 @@ impl RadioNoise {
         if self.bit_error_rate > 0.0 {
             let bits = payload.len() as u64 * 8;
             let ln_correct = ln_1p(-self.bit_error_rate);
-            let mut bit = gap(cell(stream), ln_correct);
+            let mut bit = gap(interval(stream), ln_correct);
             while bit < bits {
                 payload[(bit / 8) as usize] ^= 1 << (bit % 8);
                 errors += 1;
-                bit = bit.saturating_add(1).saturating_add(gap(cell(stream), ln_correct));
+                bit = bit.saturating_add(1).saturating_add(gap(interval(stream), ln_correct));
             }
         }
         Some(errors)
     }
 
-    /// -ln of the probability that a frame of `bits` bits arrives without loss and bit error; infinite if that
-    /// probability is 0.
+    /// Cumulative hazard of a frame of `bits` bits: -ln of the probability that it arrives without loss and bit error;
+    /// infinite if that probability is 0.
     pub fn hazard(&self, bits: u32) -> f64 {
         let without_bit_error =
             if self.bit_error_rate > 0.0 { f64::from(bits) * ln_1p(-self.bit_error_rate) } else { 0.0 };
@@ -52,22 +52,22 @@ impl RadioNoise {
     }
 }
 
-/// Draws the index of one of 2^52 intervals of equal length, called cells, of (0, 1).
-fn cell(stream: &mut Stream) -> u64 {
+/// Draws the index of one of the 2^52 intervals of equal length into which (0, 1) is divided.
+fn interval(stream: &mut Stream) -> u64 {
     stream.bits() >> 12
 }
 
 /// Number of correct bits before the next bit error; at least k with probability (1 - P_b)^k, within 2^-52.
 ///
-/// Computed as the logarithm of the middle of a cell divided by the logarithm of 1 - P_b: the inverse of the geometric
-/// distribution. Source: Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
-fn gap(cell: u64, ln_correct: f64) -> u64 {
+/// Computed as the logarithm of the middle of an interval divided by the logarithm of 1 - P_b: the inverse of the
+/// geometric distribution. Source: Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
+fn gap(interval: u64, ln_correct: f64) -> u64 {
     // `as` saturates, and rounds down because the quotient of two non-positive logarithms is not negative.
-    (ln((cell as f64 + 0.5) / CELLS) / ln_correct) as u64
+    (ln((interval as f64 + 0.5) / INTERVALS) / ln_correct) as u64
 }
 
-/// Number of cells.
-const CELLS: f64 = (1_u64 << 52) as f64;
+/// Number of intervals.
+const INTERVALS: f64 = (1_u64 << 52) as f64;
 
 #[cfg(test)]
 mod tests {
@@ -75,27 +75,30 @@ mod tests {
     use crate::RobotId;
     use crate::noise::Purpose;
 
-    /// Fraction of the cells for which at least `count` correct bits come before an error. Gaps decrease with the cell,
-    /// so bisection finds the boundary.
+    /// Fraction of the intervals for which at least `count` correct bits come before an error. Gaps decrease with the
+    /// interval, so bisection finds the boundary.
     fn fraction_with_gap(count: u64, ln_correct: f64) -> f64 {
         let (mut low, mut high) = (0, 1_u64 << 52);
         while low < high {
             let middle = low.midpoint(high);
             if gap(middle, ln_correct) >= count { low = middle + 1 } else { high = middle }
         }
-        low as f64 / CELLS
+        low as f64 / INTERVALS
     }
 
     #[test]
-    fn gaps_are_geometric_within_one_cell() {
+    fn gaps_are_geometric_within_one_interval() {
         for p in [1e-9, 1e-3, 0.1, 0.5, 0.75, 0.999] {
             let ln_correct = ln_1p(-p);
             let mut expected = 1.0;
             for count in 0..64 {
                 let found = fraction_with_gap(count, ln_correct);
-                // The boundary lies within one cell; logarithm, quotient and product have rounding errors of some units
-                // in the last place.
-                assert!((found - expected).abs() < 64.0 / CELLS, "{count} right bits at {p}: {found} {expected}");
+                // The boundary lies within one interval; logarithm, quotient and product have rounding errors of some
+                // units in the last place.
+                assert!(
+                    (found - expected).abs() < 64.0 / INTERVALS,
+                    "{count} correct bits at {p}: {found} instead of {expected}"
+                );
                 expected *= 1.0 - p;
             }
         }
@@ -119,7 +122,10 @@ mod tests {
                 skipping *= fraction_with_gap(BITS - next, ln_correct);
                 let errors = pattern.count_ones() as i32;
                 let bit_by_bit = f64::powi(p, errors) * f64::powi(1.0 - p, BITS as i32 - errors);
-                assert!((skipping - bit_by_bit).abs() < 1e-13, "{pattern:08b} at {p}: {skipping} {bit_by_bit}");
+                assert!(
+                    (skipping - bit_by_bit).abs() < 1e-13,
+                    "{pattern:08b} at {p}: {skipping} instead of {bit_by_bit}"
+                );
             }
         }
     }
@@ -136,7 +142,7 @@ mod tests {
             assert_eq!(garbled(0.0, 0.0, number), (Some(0), [0b1010_0110; 100]));
             assert_eq!(garbled(1.0, 0.0, number), (Some(800), [0b0101_1001; 100]));
             assert_eq!(garbled(0.3, 1.0, number).0, None);
-            // A cell has the length 2^-52, so such small rates never give an error.
+            // An interval has the length 2^-52, so such small rates never give an error.
             for tiny in [1e-17, 1e-300, f64::MIN_POSITIVE, 5e-324] {
                 assert_eq!(garbled(tiny, 0.0, number).0, Some(0));
             }

@@ -1,4 +1,4 @@
-//! Channel: carries messages from senders to receivers.
+//! Carries messages from senders to receivers over the radio channel.
 
 use std::collections::BTreeSet;
 
@@ -110,8 +110,9 @@ impl Channel {
         self.has_changed |= self.model.medium == Medium::TokenRing;
     }
 
-    /// Silences the radio of `robot` or ends its silence, for messages that are decided from the end of the present
-    /// slot on. A silenced radio still occupies the medium, but its messages are lost.
+    /// Silences the radio of `robot`, or restores it if `is_silent` is false. This applies to messages whose outcome is
+    /// decided from the end of the present slot on. A silenced radio still occupies the medium, but its messages are
+    /// lost.
     pub fn set_silent(&mut self, robot: RobotId, is_silent: bool) {
         if is_silent {
             self.silent.insert(robot);
@@ -196,7 +197,7 @@ impl Channel {
                 self.air.add(transmissions);
                 if has_changed {
                     let errors = &self.errors;
-                    self.ring.set_members(&self.members, |robot| radio_of(errors, robot), slot_end);
+                    self.ring.set_members(&self.members, |robot| noise_of(errors, robot), slot_end);
                 }
                 let untransmitted = self.ring.take_untransmitted().into_iter();
                 untransmitted.map(|message| unsent(&Transmission::new(message, slot_end, &model))).collect()
@@ -242,12 +243,12 @@ impl Channel {
             return Err(Loss::Packet);
         }
         let mut payload = message.payload.clone();
-        let radio = radio_of(&self.errors, member.robot);
-        if radio.is_perfect() {
+        let noise = noise_of(&self.errors, member.robot);
+        if noise.is_perfect() {
             return Ok(Arrived { payload, bit_errors: 0 });
         }
         let mut stream = Stream::new(self.seed, member.robot, Purpose::Radio, message.from.0, message.sequence);
-        let bit_errors = radio.garble(&mut stream, &mut payload).ok_or(Loss::Packet)?;
+        let bit_errors = noise.garble(&mut stream, &mut payload).ok_or(Loss::Packet)?;
         Ok(Arrived { payload, bit_errors })
     }
 
@@ -270,7 +271,7 @@ impl Channel {
 }
 
 /// Noise model of messages to `robot`.
-fn radio_of(errors: &[RadioNoise], robot: RobotId) -> RadioNoise {
+fn noise_of(errors: &[RadioNoise], robot: RobotId) -> RadioNoise {
     errors.get(robot.index()).copied().unwrap_or_default()
 }
 

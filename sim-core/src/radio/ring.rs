@@ -130,14 +130,14 @@ impl Ring {
     }
 
     /// Sets the members of the ring from `time` on, in the order of their robots.
-    pub fn set_members(&mut self, members: &[StationInfo], radio_of: impl Fn(RobotId) -> RadioNoise, time: Time) {
+    pub fn set_members(&mut self, members: &[StationInfo], noise_of: impl Fn(RobotId) -> RadioNoise, time: Time) {
         let previous = self.token.map(|token| (self.stations[token.holder_index].robot, token));
         self.stations.clear();
         self.stations.extend(members.iter().map(|member| RingStation {
             robot: member.robot,
             frame: air_time(0, member.baud),
             // A single station passes the token to itself: no reception, no loss.
-            hazard: if members.len() > 1 { hazard(radio_of(member.robot)) } else { 0 },
+            hazard: if members.len() > 1 { hazard(noise_of(member.robot)) } else { 0 },
         }));
         let sum = |(duration, hazard_sum): (Time, u128), station: &RingStation| {
             (duration + station.frame, hazard_sum.saturating_add(station.hazard))
@@ -225,8 +225,8 @@ impl Ring {
 
 /// Hazard of passing a token frame to a receiver with the noise model `radio`: -ln of the probability that the frame
 /// arrives without error.
-fn hazard(radio: RadioNoise) -> u128 {
-    fixed(radio.hazard(8 * HEADER_BYTES as u32))
+fn hazard(noise: RadioNoise) -> u128 {
+    fixed(noise.hazard(8 * HEADER_BYTES as u32))
 }
 
 /// Fixed-point number with 80 fractional bits. Its sums are exact, so the remaining life does not depend on the
