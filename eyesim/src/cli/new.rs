@@ -367,7 +367,9 @@ mod tests {
             );
         }
         assert!(
-            new("loop", Language::Rust, folder.path()).expect_err("a keyword").contains("not a name for a Rust program")
+            new("loop", Language::Rust, folder.path())
+                .expect_err("a keyword")
+                .contains("not a name for a Rust program")
         );
         assert_eq!(new("loop", Language::C, folder.path()), Ok(()));
     }

@@ -50,7 +50,8 @@ pub enum ProgramLoadError {
 /// same `loader`.
 ///
 /// # Errors
-/// The first program that cannot be loaded, or all of them if the kernel's limits are too low.
+/// A program cannot be loaded (the first one is reported), or the kernel's limits are too low for all programs
+/// together.
 pub fn load_programs(
     scene: &SceneSpec,
     programs: &Programs,
@@ -59,7 +60,7 @@ pub fn load_programs(
     workers: usize,
     loader: &mut Loader,
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
-    check_room(programs.iter(), exec, workers)?;
+    check_capacity(programs.iter(), exec, workers)?;
     loader.set_robots_per_turn(robots_per_turn(programs.iter().count(), workers));
     Child::make_room(programs.iter().filter(|program| execution_of(program, exec).0 == ExecutionKind::Process).count());
     // All processes start before the wait for the first process.
@@ -85,14 +86,14 @@ pub fn load_program(
     (exec, workers): (Exec, usize),
     loader: &mut Loader,
 ) -> Result<RobotProgram, ProgramLoadError> {
-    check_room([program], exec, workers)?;
+    check_capacity([program], exec, workers)?;
     let loading = Loading::begin(robot, program, (exec, workers), loader, None);
     loading.and_then(|loading| loading.finish(robot)).map_err(|error| error_of_robot(robot, error))
 }
 
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings
 /// for the copies and stacks of these programs.
-fn check_room<'a>(
+fn check_capacity<'a>(
     programs: impl IntoIterator<Item = &'a Arc<Prepared>>,
     exec: Exec,
     workers: usize,
@@ -117,7 +118,7 @@ fn check_room<'a>(
     check_mappings(robots, mappings).map_err(ProgramLoadError::Mappings)
 }
 
-/// The error `error` of loading the program of `robot`.
+/// Adds the robot and the name of its program to an error of loading.
 fn error_of_robot(robot: &RobotSpec, error: LoadError) -> ProgramLoadError {
     ProgramLoadError::Robot { robot: robot.id, program: robot.program_name().to_owned(), error }
 }
@@ -131,8 +132,8 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Kind of execution of a program for the user's choice `exec`. Also returns a reason if this is a different kind, or
-/// if `auto` chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
+/// Kind of execution of a program if the user chose `exec`. If the kind differs from the choice, or `auto` chose a
+/// slower kind, the reason is also returned, as the predicate of a sentence about the program: `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
 /// does not return, the process can be killed.
@@ -142,10 +143,10 @@ pub fn execution_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<St
         Code::Embedded(_) => return (ExecutionKind::Thread, None),
         Code::Library(image) => image,
     };
-    let in_process = || (ExecutionKind::Process, program.danger.clone());
+    let own_process = || (ExecutionKind::Process, program.danger.clone());
     match exec {
-        _ if image.has_resolvers() => in_process(),
-        Exec::Auto if program.danger.is_some() => in_process(),
+        _ if image.has_resolvers() => own_process(),
+        Exec::Auto if program.danger.is_some() => own_process(),
         Exec::Auto | Exec::Fiber => {
             match program.danger.clone().or_else(|| program.why_thread_bound().map(str::to_owned)) {
                 Some(reason) => (ExecutionKind::Thread, Some(reason)),
@@ -161,7 +162,7 @@ pub fn execution_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<St
 enum Loading {
     Done(RobotProgram),
     /// The process, its program, and the file from which the process loads it.
-    InProcess(Box<Child>, Arc<Prepared>, PathBuf),
+    OwnProcess(Box<Child>, Arc<Prepared>, PathBuf),
 }
 
 impl Loading {
@@ -186,7 +187,7 @@ impl Loading {
         let (child, library) = match (&program.code, debugger) {
             (Code::Python(_), Some(_)) => return Err(debug_error(program, "is in Python")),
             (Code::Embedded(_), Some(_)) => return Err(debug_error(program, "is code of this process")),
-            (Code::Embedded(_), None) => unreachable!("it runs on a thread"),
+            (Code::Embedded(_), None) => unreachable!("an embedded program runs on a thread"),
             (Code::Python(python), None) => {
                 let to_load_error = |error: std::io::Error| start_error(program, path.clone(), error.to_string());
                 let (mut command, folders) = match loader.is_restricting() {
@@ -217,13 +218,13 @@ impl Loading {
             }
         };
         let child = child.map_err(|error| start_error(program, path, format!("{error} ({PROCESS_HINT})")))?;
-        Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
+        Ok(Self::OwnProcess(Box::new(child), Arc::clone(program), library))
     }
 
     fn finish(self, robot: &RobotSpec) -> Result<RobotProgram, LoadError> {
         let (child, program, library) = match self {
             Self::Done(program) => return Ok(program),
-            Self::InProcess(child, program, library) => (child, program, library),
+            Self::OwnProcess(child, program, library) => (child, program, library),
         };
         let path = program.source.path().to_owned();
         let remote = RemoteProgram::new(*child, Arc::clone(&program), &robot.arguments);
@@ -251,4 +252,4 @@ fn start_error(program: &Prepared, path: PathBuf, what: String) -> LoadError {
 
 /// Advice on the limits of the number of processes.
 const PROCESS_HINT: &str =
-    "each robot takes a process of two threads, and in eyesim a thread and a file: see `ulimit -u` and `ulimit -n`";
+    "each robot needs a process with two threads, and a thread and a file in eyesim: see `ulimit -u` and `ulimit -n`";

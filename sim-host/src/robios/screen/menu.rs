@@ -4,7 +4,7 @@ use super::canvas::{BLACK, Canvas, Ink, Rgb};
 use super::font::{Family, Font, Size, Variation};
 use super::page::draw_glyph;
 
-/// Height of the menu in pixels: above it, a display of 240 rows has 16 rows of text of size 12.
+/// Height of the menu in pixels. A display of 240 pixel rows has room for 16 rows of text of size 12 above it.
 pub const HEIGHT: u16 = 32;
 
 /// Number of keys.
@@ -24,7 +24,7 @@ pub struct MenuLabel {
 /// Default colours of the keys from left to right: the colours of the remote control's buttons.
 const PAPERS: [Rgb; KEYS] = [[0xff, 0, 0], [0, 0xff, 0], [0xff, 0xff, 0], [0x40, 0x80, 0xff]];
 
-/// Entries of a menu without texts.
+/// Entries of a menu whose labels are empty.
 pub fn entries() -> [MenuLabel; KEYS] {
     PAPERS.map(|paper| MenuLabel { text: String::new(), ink: BLACK, paper })
 }
@@ -48,7 +48,7 @@ pub fn draw(entries: &[MenuLabel; KEYS], canvas: &mut Canvas) {
 }
 
 /// Draws a key's text in the middle of its field. In the normal size, the text is split into two lines if necessary. If
-/// it does not fit, it is drawn in the smallest size and cut.
+/// it does not fit, it is drawn in the smallest size and truncated.
 fn draw_label(entry: &MenuLabel, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
@@ -58,7 +58,7 @@ fn draw_label(entry: &MenuLabel, [left, top]: [i32; 2], [right, bottom]: [i32; 2
         rows <= height && lines.iter().all(|line| text_width(line, font) <= width)
     };
     let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
-    // Split at the blank nearest to the middle.
+    // Split at the space nearest to the middle.
     let halves = entry.text.char_indices().filter(|(_, character)| *character == ' ');
     let halves = halves.min_by_key(|(index, _)| index.abs_diff(entry.text.len() / 2));
     let halves = halves.map(|(index, _)| vec![entry.text[..index].trim(), entry.text[index..].trim()]);
