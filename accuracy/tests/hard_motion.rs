@@ -1,5 +1,5 @@
-//! Hard cases of motion: extreme numbers, very long durations, positions far from the origin, slots from a microsecond
-//! to a second.
+//! Hard cases of motion: extreme numbers, very long durations, positions far from the origin, and slots from a
+//! microsecond to a second.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -115,7 +115,7 @@ fn drives_end_exactly_at_any_turning_speed() {
             let omega = sign * 10.0_f64.powi(exponent);
             let mut motion = robot(fast_model.clone(), vec![], Pose::default());
             motion.command(Time(7), drive(1.0, 2.0 * omega, 2.0), &[]).expect("valid");
-            let end = motion.drive_end().expect("an end");
+            let end = motion.drive_end().expect("the drive ends");
             assert!((end - Time(2_000_007)).0.abs() <= 1, "{end:?} at {omega} rad/s");
             let pose = motion.pose(end);
             assert!((pose.heading.radians() - 2.0 * omega).abs() <= 4e-16 * (2.0 * omega).abs().max(1.0));
@@ -169,7 +169,7 @@ fn course_ten_kilometres_away_is_the_same() {
             for n in 0..200 {
                 let command = drive(0.3 - 0.01 * f64::from(n % 50), 0.1 * f64::from(n % 17) - 0.8, 0.5);
                 motion.command(at, command, &[]).expect("valid");
-                at = motion.drive_end().expect("an end");
+                at = motion.drive_end().expect("the drive ends");
             }
             (motion.pose(at).position - offset, at)
         };
@@ -189,7 +189,7 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let mut at = Time::ZERO;
     for _ in 0..1_000_000 {
         motion.command(at, drive(1e-6, 0.0, 1e-5), &[]).expect("valid");
-        at = motion.drive_end().expect("an end");
+        at = motion.drive_end().expect("the drive ends");
         while world.slot_end() <= at {
             world.advance(&mut [&mut motion]);
         }
@@ -198,12 +198,12 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     assert!((motion.pose(at).position - expected).length() < 1e-10, "{:?}", motion.pose(at));
     assert!((motion.odometry(at).position - DVec2::X).length() < 1e-10);
     motion.command(at, drive(-1.0, 0.0, 1.0), &[]).expect("valid");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert!(motion.pose(end).position.length() < 1e-10);
 }
 
-/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. Drives of
-/// negative length go back as far as those of the same positive length go forwards.
+/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. A drive of
+/// negative length goes back by the same distance as a drive of this positive length goes forwards.
 #[test]
 fn zero_and_negative_drives_end() {
     let lagging_model = Model { wheel_lag: 0.05, ..model() };
@@ -214,7 +214,7 @@ fn zero_and_negative_drives_end() {
         for (length, angle) in [(0.0, 0.0), (-0.0, -0.0), (5e-324, 0.0), (0.0, -5e-324), (1e-300, 1e-300)] {
             let mut motion = new();
             motion.command(Time(11), drive(length, angle, 0.0), &[]).expect("valid");
-            let end = motion.drive_end().unwrap_or_else(|| panic!("no end of {length} m, {angle} rad"));
+            let end = motion.drive_end().unwrap_or_else(|| panic!("the drive of {length} m, {angle} rad does not end"));
             assert!(end <= Time(20_000), "{end:?}");
             assert!(motion.pose(end).position.length() < 1e-12 && motion.is_drive_done(end));
         }
@@ -222,7 +222,7 @@ fn zero_and_negative_drives_end() {
             let ends = [length, -length].map(|length| {
                 let mut motion = new();
                 motion.command(Time::ZERO, drive(length, 0.0, 1.0), &[]).expect("valid");
-                let end = motion.drive_end().expect("an end");
+                let end = motion.drive_end().expect("the drive ends");
                 motion.state(end).wheels[0]
             });
             assert!((ends[0] + ends[1]).abs() <= 1e-12 * length && ends[0] > 0.0, "{ends:?}");
@@ -251,7 +251,7 @@ fn saturated_controllers_keep_the_limit_and_recover() {
     // A drive that demands more than the limit takes longer and ends at its target.
     motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("valid");
     let before = motion.path_length(at + Time(1_000_000));
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert!((motion.path_length(end) - before - 0.5).abs() < 1e-9 && end > at + Time(1_900_000));
     for factor in [0.0, 1e-300, 1e12] {
         for integral_time in [1e-12, 1.0, 1e12] {
@@ -276,7 +276,7 @@ fn drive_after_a_year_is_the_same() {
     let ends = [Time::ZERO, year].map(|start| {
         let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, PI / 3.0));
         motion.command(start, drive(0.7, 1.3, 1.1), &[]).expect("valid");
-        let end = motion.drive_end().expect("an end");
+        let end = motion.drive_end().expect("the drive ends");
         (end - start, motion.state(start + Time(543_210)), motion.pose(end))
     });
     assert_eq!(ends[0], ends[1]);

@@ -62,12 +62,12 @@ fn no_ray_leaves_a_closed_polygon() {
                 };
                 let Some(direction) = (target - origin).try_normalize() else { continue };
                 let hit = walls.cast(origin, direction, f64::INFINITY).unwrap_or_else(|| {
-                    panic!("{count} corners: from {origin} along {direction} at {kind}, the robot sees outside")
+                    panic!("{count} corners: from {origin} along {direction} at {kind}, the ray leaves the polygon")
                 });
                 assert!(hit.distance <= 2.1, "{count} corners, at {kind}: {hit:?}");
                 // Tolerance of a touch (see `Walls`): 8 * 2^-52 times the sum of the origin's coordinates, 2 * 10^6 m.
                 let error = walls.segment(hit.wall).distance(origin + direction * hit.distance);
-                assert!(error < 4e-9, "{count} corners, at {kind}: {error} m beside the wall");
+                assert!(error < 4e-9, "{count} corners, at {kind}: {error} m off the wall");
                 rays += 1;
             }
         }
@@ -89,10 +89,10 @@ fn ray_passes_through_a_slit_of_a_nanometre() {
             Segment::new(point(10.0, -1.0), point(10.0, 1.0)),
         ]);
         let direction = transformed(DVec2::X, turn, DVec2::ZERO);
-        let through = walls.cast(point(0.0, 0.0), direction, 20.0).expect("the end is closed");
+        let through = walls.cast(point(0.0, 0.0), direction, 20.0).expect("the last wall closes the slit");
         assert_eq!(through.wall, WallId(2), "turned by {turn}");
         assert!((through.distance - 10.0).abs() < 1e-9, "within 1 nm: {through:?}");
-        let inside = walls.cast(point(5.0, 0.0), direction, 20.0).expect("the end is closed");
+        let inside = walls.cast(point(5.0, 0.0), direction, 20.0).expect("the last wall closes the slit");
         assert!((inside.distance - 5.0).abs() < 1e-9, "within 1 nm: {inside:?}");
         // Rays across the slit hit its two walls, which are a nanometre apart.
         let left = transformed(DVec2::Y, turn, DVec2::ZERO);
@@ -115,8 +115,9 @@ fn grazing_rays_hit_a_wall_at_the_right_distance() {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding displaces the wall sideways by a multiple of 2^-52 m, and so the hit along the ray by this
-            // distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on it.
+            // Rounding displaces the wall sideways by a multiple of 2^-52 m. This displaces the hit along the ray by
+            // the same distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on
+            // it.
             let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
             assert!(
@@ -176,7 +177,7 @@ fn readings_do_not_depend_on_the_origin() {
             let hit = other.expect("a closed room");
             let wall = near.segment(hit.wall);
             let error = wall.distance(origin + direction * hit.distance);
-            assert!(error <= 32.0 * ulp, "{one:?}, {other:?}: {error} m beside the wall");
+            assert!(error <= 32.0 * ulp, "{one:?}, {other:?}: {error} m off the wall");
             let distances = [wall.a, wall.b, origin].into_iter().map(|end| direction.perp_dot(end - origin).abs());
             assert!(distances.fold(f64::INFINITY, f64::min) <= 32.0 * ulp, "not a corner: {one:?}, {other:?}");
         }
@@ -205,7 +206,7 @@ fn range_limit_is_exact() {
     }
 }
 
-/// Extreme and unusual numbers, such as faulty programs and files contain.
+/// Extreme and unusual numbers, as they occur in faulty programs and files.
 const EXTREME_NUMBERS: [f64; 14] = [
     f64::NAN,
     f64::INFINITY,
@@ -250,7 +251,7 @@ fn extreme_numbers_give_no_false_hits() {
 
 #[test]
 fn extreme_walls_do_not_hide_other_walls() {
-    let good = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
+    let ordinary_wall = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
     for a in EXTREME_NUMBERS {
         for b in EXTREME_NUMBERS {
             let extreme_walls = [
@@ -259,14 +260,15 @@ fn extreme_walls_do_not_hide_other_walls() {
                 Segment::new(DVec2::new(a, 7.0), DVec2::new(7.0, b)),
             ];
             for (index, extreme) in extreme_walls.into_iter().enumerate() {
-                let walls = Walls::new(vec![extreme, good]);
+                let walls = Walls::new(vec![extreme, ordinary_wall]);
                 let hit = walls.cast(DVec2::new(0.0, 0.5), DVec2::X, 2.0);
-                // The extreme wall itself may cross the ray before the good one; for a wall 10^15 m long, 2 m are below
-                // rounding.
+                // The extreme wall itself may cross the ray before the ordinary one; for a wall 10^15 m long, 2 m are
+                // below rounding.
                 let may_block = index == 2 || extreme.length() > 1e15;
                 let is_extreme_wall = may_block && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
-                let is_good_wall = hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);
-                assert!(is_good_wall || is_extreme_wall, "{extreme:?}: {hit:?}");
+                let is_ordinary_wall =
+                    hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);
+                assert!(is_ordinary_wall || is_extreme_wall, "{extreme:?}: {hit:?}");
             }
         }
     }

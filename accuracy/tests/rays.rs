@@ -132,8 +132,8 @@ fn rays_along_walls_end_at_the_nearer_end() {
             let backward = distance(end, -direction).expect("the wall is ahead");
             assert!((backward - gap_after).abs() < TOLERANCE, "{backward} m, expected {gap_after}");
             assert_eq!(distance(start, -direction), None);
-            let inside = start + direction * (gap_before + 0.5 * length);
-            assert_eq!((distance(inside, direction), distance(inside, -direction)), (Some(0.0), Some(0.0)));
+            let on_wall = start + direction * (gap_before + 0.5 * length);
+            assert_eq!((distance(on_wall, direction), distance(on_wall, -direction)), (Some(0.0), Some(0.0)));
         }
     }
 }
@@ -195,8 +195,8 @@ fn degenerate_scenes_match_brute_force() {
         assert!((hit.distance - 5.0).abs() < TOLERANCE && hit.wall == WallId(0), "{hit:?}");
         assert_eq!(walls.cast(DVec2::ZERO, DVec2::X, 9.0), None);
     }
-    // Scenes of 300 walls of a millimetre: with two more walls that are far away, all on one line, and with another
-    // wall of 10^50 m.
+    // Three scenes of 300 walls of a millimetre: walls around the origin and two far away; walls on one line; the same
+    // line and a wall 10^50 m long.
     let mut random = Random::new(9);
     let tiny = |random: &mut Random, centre: DVec2| {
         let half = random.direction() * 5e-4;

@@ -1,8 +1,8 @@
 //! Kinds of parameters of a call: their form in the ABI, and their form for the host's method.
 //!
 //! A program's pointer is dereferenced only while the host's method does not run: inputs are copied before it starts,
-//! outputs are written after it has returned. A wild pointer thus crashes the program while the host holds no lock, and the host
-//! keeps no pointer of a program.
+//! outputs are written after it has returned. A wild pointer thus crashes the program while the host holds no lock, and
+//! the host keeps no pointer of a program.
 
 use std::ffi::c_void;
 use std::fmt::{self, Display, Formatter};

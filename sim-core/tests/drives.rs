@@ -84,7 +84,7 @@ impl Rig {
         let whole = if displacement.vx == 0.0 { displacement.omega } else { displacement.vx };
         self.command(Command::Drive { displacement, duration: (whole.abs() / speed).min(4.0) });
         let start = self.at;
-        let end = self.motion.drive_end().expect("an end");
+        let end = self.motion.drive_end().expect("the drive ends");
         let mut remaining = self.motion.drive_remaining(start);
         assert!((remaining - whole.abs()).abs() <= 1e-15 * whole.abs(), "{remaining} m or rad of {displacement:?}");
         for part in 1..=5 {
@@ -220,7 +220,7 @@ proptest! {
     ) {
         let mut rig = Rig::new(racer(), slot, Pose::default());
         rig.command(Command::Drive { displacement: first, duration: 0.0 });
-        let (start, end) = (rig.at, rig.motion.drive_end().expect("an end"));
+        let (start, end) = (rig.at, rig.motion.drive_end().expect("the drive ends"));
         rig.advance_to(Time(start.0 + ((end - start).0 as f64 * share) as i64));
         rig.check(second, 0.4);
     }

@@ -85,7 +85,7 @@ fn unequal_wheels_drive_a_circle_of_known_radius() {
         close(motion.odometry(at).position, DVec2::new(0.2 * second as f64, 0.0), 1e-13);
     }
     assert_eq!(motion.revision(), 1, "one piece");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert_eq!(end, Time(100_000_003), "drives end by what the wheels tell");
     assert_eq!(motion.odometry(end).position, DVec2::new(20.0, 0.0), "the mark itself");
     assert!((motion.path_length(end) - 20.1).abs() < 1e-12);
@@ -112,7 +112,7 @@ fn slip_reduces_distance_and_angle() {
 fn drive_with_full_slip_ends_at_its_start() {
     let mut motion = robot(model(), vec![], 1, Imperfection { slip: 1.0, ..Imperfection::default() });
     motion.command(Time(7), drive(0.5, 1.0, 1.0), &[]).expect("valid");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert_eq!(end, Time(1_000_007));
     assert_eq!(motion.pose(end), Pose::default());
     assert_eq!(motion.path_length(end), 0.0);
@@ -454,7 +454,7 @@ fn drive_end_of_a_long_noisy_drive_is_found_in_parts() {
     while world.slot_end() <= first {
         world.advance(&mut [&mut motion]);
     }
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert!((end - Time::from_millis(1_500_000)).0.abs() <= 1, "{end:?}");
     assert!(motion.is_drive_done(end) && !motion.is_drive_done(end - Time(2)));
 }

@@ -55,7 +55,7 @@ fn square_drive_returns_to_its_start() {
     for _ in 0..4 {
         for command in [drive(0.2, 0.0, 2.0), drive(0.0, PI / 2.0, 1.0)] {
             motion.command(at, command, &[]).expect("a valid command");
-            at = motion.drive_end().expect("an end");
+            at = motion.drive_end().expect("the drive ends");
             assert!(motion.is_drive_done(at) && !motion.is_drive_done(at - Time(1)));
         }
     }
@@ -72,7 +72,7 @@ fn drive_ends_exactly_at_the_commanded_length() {
     let mut motion = robot(model(), vec![], Pose::default());
     let displacement = Twist::new(0.1 + 0.2, 0.7);
     motion.command(Time(5), Command::Drive { displacement, duration: 1.0 / 3.0 }, &[]).expect("a valid command");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert_eq!(motion.pose(end), Pose::default().moved(displacement));
     assert_eq!(motion.odometry(end), Pose::default().moved(displacement));
     assert_eq!(motion.drive_remaining(end), 0.0);
@@ -191,14 +191,14 @@ fn zero_tiny_and_backward_drives_end() {
         let mut motion = robot(model(), vec![], Pose::default());
         let displacement = Twist::new(length, 0.0);
         motion.command(Time(3), Command::Drive { displacement, duration: length.abs() / 0.2 }, &[]).expect("valid");
-        let end = motion.drive_end().expect("an end");
+        let end = motion.drive_end().expect("the drive ends");
         assert!(end.seconds() <= 3e-6 + length.abs() / 0.2 + 1e-6, "{length} m end at {end:?}");
         assert_eq!(motion.pose(end).position, DVec2::new(length, 0.0));
         assert!(motion.is_drive_done(end));
         let mut motion = robot(model(), vec![], Pose::default());
         let displacement = Twist::new(0.0, length);
         motion.command(Time(3), Command::Drive { displacement, duration: 0.0 }, &[]).expect("valid");
-        let end = motion.drive_end().expect("an end");
+        let end = motion.drive_end().expect("the drive ends");
         assert_eq!(motion.pose(end).heading.radians(), length);
     }
 }
@@ -246,7 +246,7 @@ fn million_turns_return_to_the_start() {
     for _ in 0..4_000_000 {
         let displacement = Twist::new(0.0, PI / 2.0);
         motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("valid");
-        at = motion.drive_end().expect("an end");
+        at = motion.drive_end().expect("the drive ends");
         if at >= world.slot_end() {
             world.advance(&mut [&mut motion]);
         }
@@ -265,7 +265,7 @@ fn square_drive_closes_ten_kilometres_from_the_origin() {
     for _ in 0..100 {
         for command in [drive(0.2, 0.0, 1.0), drive(0.0, PI / 2.0, 1.0)] {
             motion.command(at, command, &[]).expect("valid");
-            at = motion.drive_end().expect("an end");
+            at = motion.drive_end().expect("the drive ends");
         }
     }
     let end = motion.pose(at);
@@ -304,7 +304,7 @@ fn omni_drive_moves_sideways() {
     let mut motion = robot(omni, vec![], Pose::new(0.0, 0.0, PI / 2.0));
     let displacement = Twist { vx: 0.0, vy: 0.3, omega: 0.0 };
     motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("valid");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert!((motion.pose(end).position - DVec2::new(-0.3, 0.0)).length() < 1e-15);
     let wheels = motion.wheel_angles(end);
     assert!((wheels[1] - 0.3 / 0.027).abs() < 1e-12 && (wheels[0] + wheels[1]).abs() < 1e-12, "{wheels:?}");
@@ -339,7 +339,7 @@ fn robot_can_back_out_of_a_corner() {
         let mut motion = motion.clone();
         let turn = angle - motion.pose(at).heading.remainder();
         motion.command(at, Command::Drive { displacement: Twist::new(0.0, turn), duration: 1.0 }, &[]).expect("valid");
-        let turned = motion.drive_end().expect("an end");
+        let turned = motion.drive_end().expect("the drive ends");
         motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("valid");
         let end = motion.pose(turned + Time::from_millis(100)).position;
         // The robot can leave the corner with headings between the directions straight away from each of the two walls.
@@ -372,7 +372,7 @@ fn drive_with_wheel_lag_ends_at_its_target() {
     for (command, length, angle) in [(drive(0.2, 0.0, 2.0), 0.4, 0.0), (drive(0.2, 0.5, 2.0), 0.4, 1.0)] {
         let mut motion = robot(lame.clone(), vec![], Pose::default());
         motion.command(Time(2_345), command, &[]).expect("valid");
-        let end = motion.drive_end().expect("an end");
+        let end = motion.drive_end().expect("the drive ends");
         assert!(end > Time::from_millis(2_090) && end < Time::from_millis(2_130), "the lag is made up later: {end:?}");
         assert!(!motion.is_drive_done(end - Time(1)) && motion.is_drive_done(end));
         assert!((motion.path_length(end) - length).abs() < 1e-12);

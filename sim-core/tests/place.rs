@@ -155,7 +155,7 @@ fn placement_sets_the_whole_turns() {
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let displacement = Twist::new(0.0, 9.0 * PI);
     motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("valid");
-    let at = motion.drive_end().expect("an end");
+    let at = motion.drive_end().expect("the drive ends");
     motion.place(at, Pose::new(1.0, 0.0, PI / 2.0)).expect("a valid place");
     let heading = motion.pose(at).heading;
     assert_eq!((heading.turns(), heading.remainder()), (0, PI / 2.0));

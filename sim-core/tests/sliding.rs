@@ -187,7 +187,7 @@ fn turn_on_the_spot_in_contact_is_not_blocked() {
     motion
         .command(Time::ZERO, Command::Drive { displacement: Twist::new(0.0, 7.0), duration: 2.0 }, &[])
         .expect("valid");
-    let end = motion.drive_end().expect("an end");
+    let end = motion.drive_end().expect("the drive ends");
     assert_eq!(motion.pose(end).position, before);
     assert!((motion.pose(end).heading.radians() - 7.4).abs() < 1e-14);
     assert!(!motion.is_stalled(Time(1_000_000)));

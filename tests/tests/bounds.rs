@@ -290,7 +290,7 @@ fn interrupted(command: &mut Command, signal: &str, begins: impl Fn() -> bool) -
     std::thread::sleep(Duration::from_millis(500));
     let sent = Instant::now();
     assert!(Command::new("kill").args([signal, &host.id().to_string()]).status().expect("kill").success());
-    (host.wait().expect("it ends").code(), sent.elapsed())
+    (host.wait().expect("the process ends").code(), sent.elapsed())
 }
 
 #[test]

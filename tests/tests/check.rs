@@ -281,7 +281,7 @@ fn output_that_nobody_reads_is_no_failure() {
         .spawn()
         .expect("eyesim starts");
     drop(child.stdout.take());
-    let ran = Ran::from(child.wait_with_output().expect("it ends"));
+    let ran = Ran::from(child.wait_with_output().expect("the process ends"));
     assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""), "{ran:#?}");
 }
 

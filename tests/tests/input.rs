@@ -101,7 +101,7 @@ fn the_text_may_come_through_a_pipe_and_a_rust_program_reads_it() {
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     child.stdin.take().expect("a pipe").write_all(b"one\r\n\ntwo").expect("it is read");
-    let out = child.wait_with_output().expect("it ends");
+    let out = child.wait_with_output().expect("the process ends");
     let said = String::from_utf8_lossy(&out.stdout);
     let errors = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "{said}{errors}");

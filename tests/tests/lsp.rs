@@ -123,7 +123,7 @@ impl Editor {
     fn end(mut self) -> Option<i32> {
         assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
         self.tell("exit", Value::Null);
-        self.server.wait().expect("it ends").code()
+        self.server.wait().expect("the process ends").code()
     }
 }
 
@@ -210,7 +210,7 @@ fn odd_clients_do_no_harm() {
     assert!(editor.at("textDocument/completion", "ü b.wld", 999, 999).is_array());
     // Without `shutdown` the protocol requires a failure as the exit code.
     editor.tell("exit", Value::Null);
-    assert_eq!(editor.server.wait().expect("it ends").code(), Some(1));
+    assert_eq!(editor.server.wait().expect("the process ends").code(), Some(1));
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn huge_messages_are_refused_from_their_header() {
         }
         input.write_all(b"content-length: 67108865\r\n\r\n").expect("it listens");
         // The input stays open.
-        let output = server.wait_with_output().expect("it ends");
+        let output = server.wait_with_output().expect("the process ends");
         let message = String::from_utf8(output.stderr).expect("text");
         assert_eq!(message, "error: standard input: a message of 67108865 bytes, expected at most 67108864\n");
         assert_eq!(output.status.code(), Some(2));

@@ -323,7 +323,7 @@ fn a_child_that_is_killed_from_outside_is_told_and_the_interrupt_leaves_no_proce
     kill("-KILL", children[1]);
     std::thread::sleep(Duration::from_millis(300));
     kill("-INT", host.id());
-    assert_eq!(host.wait().expect("it ends").code(), Some(130));
+    assert_eq!(host.wait().expect("the process ends").code(), Some(130));
     assert_gone(&children);
     let report: Value = serde_json::from_str(&scratch.read("r.json")).expect("a report");
     let killed = report["robots"]
@@ -339,7 +339,7 @@ fn a_host_that_is_killed_leaves_no_process() {
     let scratch = Scratch::new();
     let (mut host, children) = start(&scratch, 2);
     kill("-KILL", host.id());
-    host.wait().expect("it ends");
+    host.wait().expect("the process ends");
     assert_gone(&children);
 }
 

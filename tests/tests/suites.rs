@@ -263,7 +263,7 @@ fn ctrl_c_tells_what_has_run() {
     let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(kill.expect("kill").success());
     let rest: Vec<_> = lines.collect();
-    assert_eq!(child.wait().expect("an end").code(), Some(130), "{rest:#?}");
+    assert_eq!(child.wait().expect("the process ends").code(), Some(130), "{rest:#?}");
     assert!(rest.iter().any(|line| line.contains("interrupted")), "{rest:#?}");
     assert!(scratch.read("r.json").contains("\"rows\""));
 }

@@ -135,7 +135,7 @@ fn rows_do_not_depend_on_shards_processes_or_workers() {
         let mut command = scratch.command(&["sweep", "a.suite.toml", "-o", "many", "-j", "1", "--shard", &shard]);
         running.push(command.stdout(Stdio::null()).spawn().expect("eyesim starts"));
         if running.len() == 4 || index == 100 {
-            assert!(running.drain(..).all(|mut child| child.wait().expect("an end").success()), "{shard}");
+            assert!(running.drain(..).all(|mut child| child.wait().expect("the process ends").success()), "{shard}");
         }
     }
     assert_eq!(merged(&scratch, "many"), expected);
@@ -172,7 +172,7 @@ fn kill_9_and_a_torn_line_lose_nothing() {
         let mut child = start(&scratch, "out", &["-j", "2"], part * cases / 5);
         assert!(child.try_wait().expect("a child").is_none(), "the sweep was over before it was killed");
         signal(&child, "-KILL");
-        child.wait().expect("an end");
+        child.wait().expect("the process ends");
     }
     // Simulates a loss of power, which cuts off the end of a file.
     let path = scratch.path().join(file_of("out"));
@@ -192,7 +192,7 @@ fn sigterm_and_ctrl_c_end_with_130() {
     for (name, lines) in [("-TERM", 20), ("-INT", 60)] {
         let child = start(&scratch, "out", &["-j", "1"], lines);
         signal(&child, name);
-        let ran = Ran::from(child.wait_with_output().expect("an end"));
+        let ran = Ran::from(child.wait_with_output().expect("the process ends"));
         assert_eq!(ran.code, Some(130), "{ran:#?}");
         assert!(ran.stderr.contains("interrupted: ") && ran.stderr.contains("the same command continues"), "{ran:#?}");
         assert!(scratch.read(&file_of("out")).ends_with("}\n"), "whole lines");
@@ -344,7 +344,7 @@ fn two_sweeps_of_one_shard_at_once_are_told() {
     sweep(&scratch, &["a.suite.toml", "-o", "out", "--shard", "4000/4000"], 0);
     assert!(first.try_wait().expect("a child").is_none(), "the first sweep was over before the second began");
     signal(&first, "-TERM");
-    assert_eq!(first.wait().expect("an end").code(), Some(130));
+    assert_eq!(first.wait().expect("the process ends").code(), Some(130));
     sweep(&scratch, &["status", "out"], 1);
 }
 
