@@ -108,7 +108,7 @@ fn a_map_is_written_in_many_ways() {
 }
 
 #[test]
-fn mistakes_of_a_map_are_told_with_their_place() {
+fn mistakes_of_a_map_are_reported_with_their_place() {
     type Expected = (&'static str, u32, u32, Severity);
     let (warning, error) = (Severity::Warning, Severity::Error);
     let cases: [(String, &[Expected]); 15] = [
@@ -399,7 +399,7 @@ fn a_maze_is_the_same_in_every_form() {
 }
 
 #[test]
-fn mistakes_of_mazes_are_told_with_their_place() {
+fn mistakes_of_mazes_are_reported_with_their_place() {
     let cases: [(&str, String, &str, u32, u32); 12] = [
         ("a.txt", POSTS.replace("o---o---o---o\n|       | G", "o---o---o-- o\n|       | G"), "maz-posts", 1, 10),
         ("a.txt", POSTS.replace("o   o   o   o", "o   o       o"), "maz-posts", 3, 1),
@@ -551,7 +551,7 @@ fn a_binary_maze_in_another_order_is_read_with_a_warning() {
 }
 
 #[test]
-fn mistakes_of_binary_mazes_are_told_with_their_byte() {
+fn mistakes_of_binary_mazes_are_reported_with_their_byte() {
     let walls = random_maze(16, 5, 30);
     for length in [1, 255, 257, 1023, 5000] {
         let bytes: Vec<u8> = walls.iter().copied().cycle().take(length).collect();
@@ -717,7 +717,7 @@ fn scenarios_become_a_suite() {
 }
 
 #[test]
-fn lines_that_are_no_scenarios_are_told() {
+fn lines_that_are_not_scenarios_are_reported() {
     let line = "0\ta.map\t4\t3\t0\t0\t3\t2\t5\n";
     for (text, location) in [
         (String::new(), (0, 0)),
@@ -804,7 +804,7 @@ fn poses_of_models_links_and_collisions_add_up() {
 }
 
 #[test]
-fn mistakes_of_worlds_are_told_with_their_place() {
+fn mistakes_of_worlds_are_reported_with_their_place() {
     let cylinder = "<cylinder><radius>0.1</radius><length>1</length></cylinder>";
     let good = model("0 0 0 0 0 0", cylinder);
     for (text, code, line) in [

@@ -195,7 +195,7 @@ fn a_mistake_leaves_what_the_base_says() {
 }
 
 #[test]
-fn profiles_are_told_from_other_tables() {
+fn profiles_are_distinguished_from_other_tables() {
     assert!(is_noise("lab.noise.toml", ""));
     assert!(is_noise("lab.toml", "base = \"none\"\n[psd]\n"));
     assert!(!is_noise("lab.toml", "[psd]\n"));
@@ -305,7 +305,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_told_can_be_set_and_is_told_again() {
+fn reported_values_can_be_set_and_are_reported_again() {
     let profile = preset("harsh").expect("a preset").profile();
     let parameters = profile.parameters();
     let mut other = Profile::default();

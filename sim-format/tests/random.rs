@@ -59,7 +59,7 @@ fn values_lie_in_their_ranges_and_are_spread_over_them() {
 }
 
 #[test]
-fn arguments_may_be_numbers_and_are_told_as_they_are_written() {
+fn arguments_may_be_numbers_and_are_passed_as_they_are_written() {
     let text = |arguments: &str| {
         robot(&format!("program = \"a.c\"\nx_mm = {{ uniform = [700, 700] }}\ny_mm = 500\narguments = [{arguments}]"))
     };

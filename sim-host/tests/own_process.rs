@@ -40,13 +40,13 @@ fn a_process_that_computes_tells_its_line_and_goes_on() {
     let ready = Scene::open(folder.path().join("scene.sim"), options).and_then(Scene::load);
     let running = ready.and_then(|ready| ready.start(Observers::default()));
     let mut running = running.unwrap_or_else(|error| panic!("{error}"));
-    let (sender, told) = std::sync::mpsc::channel();
+    let (sender, messages) = std::sync::mpsc::channel();
     running.scheduler.listen_to_computing(move |words| sender.send(words.to_owned()).expect("a listener"));
     running.scheduler.advance_to(Time::NEVER);
     let finished = running.finish();
     assert_eq!(finished.report.robots[0].exit_code, Some(0), "{:?}", finished.report.robots[0].reason);
     drop(finished);
-    assert!(told.iter().any(|words| words == "r1 computes at p0.c:6"), "the line is not told");
+    assert!(messages.iter().any(|words| words == "r1 computes at p0.c:6"), "the line is not reported");
 }
 
 fn in_processes_the_same_happens() {

@@ -261,7 +261,7 @@ pub enum GenerationError {
         of_6: Vec<String>,
         /// Functions called that only RoBIOS-7 has, with the places of their first calls.
         of_7: Vec<String>,
-        /// What to change.
+        /// Change that the user must make.
         advice: String,
     },
     /// The sources include a pipe or a device, at which a compiler would hang.

@@ -19,7 +19,7 @@ const FLOOD: &str = r#"
     }"#;
 
 #[test]
-fn output_beyond_the_limit_is_cut_told_once_and_counted() {
+fn output_beyond_the_limit_is_cut_reported_once_and_counted() {
     for exec in ["thread", "process"] {
         let scratch = Scratch::new();
         scratch.write("flood.c", FLOOD);
@@ -211,7 +211,7 @@ fn ends_that_are_hard_to_detect_are_reported_by_every_executor() {
 }
 
 #[test]
-fn what_would_end_or_replace_eyesim_on_a_thread_is_told() {
+fn calls_that_would_end_or_replace_eyesim_on_a_thread_are_reported() {
     for (program, words) in [
         ("syscall(SYS_exit_group, 0);", "exit_group"),
         ("{ char *a[] = {\"true\", 0}; execve(\"/bin/true\", a, 0); }", "execve"),

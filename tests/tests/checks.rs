@@ -199,7 +199,7 @@ fn objects_reach_places_and_a_removed_goal_is_no_crash() {
 }
 
 #[test]
-fn mistakes_in_checks_are_told_with_their_place() {
+fn mistakes_in_checks_are_reported_with_their_place() {
     for (check, message) in [
         ("kind = \"reech\"", "`reech` is not a valid `kind`"),
         ("name = \"x\"", "`check` has no `kind`"),

@@ -282,7 +282,7 @@ fn names_of_other_systems_lead_to_the_cpp_source_beside() {
 }
 
 #[test]
-fn a_function_of_c_that_is_declared_as_one_of_cpp_is_told_with_its_file() {
+fn a_function_of_c_that_is_declared_as_one_of_cpp_is_reported_with_its_file() {
     let scratch = Scratch::new();
     scratch.write("main.cpp", "int map_size(int);\nint main() { return map_size(1); }\n");
     scratch.write("map.c", "int map_size(int x) { return x; }\n");

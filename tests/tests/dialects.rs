@@ -458,7 +458,7 @@ fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
 }
 
 #[test]
-fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
+fn a_dialect_is_recognised_by_its_lines_and_mixing_them_harms_nothing() {
     let scratch = scratch();
     let robots = run(
         &scratch,
@@ -486,7 +486,7 @@ fn turner(phi: i32) -> String {
 fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
     let scratch = Scratch::new();
     scratch.write("room.wld", ROOM);
-    let told = |scene: &str, args: &[&str]| {
+    let reported = |scene: &str, args: &[&str]| {
         let robot = scratch.report(scene, args, 0)["robots"][0].clone();
         let lcd = |row: usize| robot["lcd"][row].as_str().expect("text").trim_end().to_owned();
         let end = ["x_m", "y_m"].map(|key| (number(&robot["pose"], key) * 1000.0).round());
@@ -496,26 +496,30 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
     let of_2018 = |first: &str, second: &str, end| (first.to_owned(), second.to_owned(), end);
     scratch.write("turn.c", &turner(0));
     scratch.write("a.sim", "world room.wld\nS4 500 500 0 turn.x\n");
-    assert_eq!(told("a.sim", &[]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
-    assert_eq!(told("a.sim", &["--dialect", "vr2023"]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
-    assert_eq!(told("a.sim", &["--dialect", "vr2018"]), of_2018("270", "1000 500 360", [1000.0, 800.0]));
+    assert_eq!(reported("a.sim", &[]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
+    assert_eq!(reported("a.sim", &["--dialect", "vr2023"]), of_2018("0", "1000 500 0", [1300.0, 500.0]));
+    assert_eq!(reported("a.sim", &["--dialect", "vr2018"]), of_2018("270", "1000 500 360", [1000.0, 800.0]));
     scratch.write("turn.c", &turner(90));
-    assert_eq!(told("a.sim", &["--dialect", "vr2018"]), of_2018("270", "1000 500 270", [1300.0, 500.0]), "clockwise");
+    assert_eq!(
+        reported("a.sim", &["--dialect", "vr2018"]),
+        of_2018("270", "1000 500 270", [1300.0, 500.0]),
+        "clockwise"
+    );
     scratch.write("turn.c", &turner(-45));
-    let (_, told_again, [x, y]) = told("a.sim", &["--dialect", "vr2018"]);
-    assert_eq!((told_again.as_str(), x, y), ("1000 500 45", 788.0, 712.0));
+    let (_, reported_again, [x, y]) = reported("a.sim", &["--dialect", "vr2018"]);
+    assert_eq!((reported_again.as_str(), x, y), ("1000 500 45", 788.0, 712.0));
     // The dialect also follows from a setting of the scene, or from a file that only EyeSim VR of 2018 supports.
     scratch.write("turn.c", &turner(0));
     let robot = "[[robot]]\ntype = \"S4\"\nprogram = \"turn.c\"\nx_mm = 500\ny_mm = 500\n";
     scratch.write("b.scene.toml", &format!("[scene]\ndialect = \"vr2018\"\n[world]\nfile = \"room.wld\"\n{robot}"));
-    assert_eq!(told("b.scene.toml", &[]).1, "1000 500 360");
-    assert_eq!(told("b.scene.toml", &["--dialect", "vr2023"]).1, "1000 500 0");
+    assert_eq!(reported("b.scene.toml", &[]).1, "1000 500 360");
+    assert_eq!(reported("b.scene.toml", &["--dialect", "vr2023"]).1, "1000 500 0");
     scratch.write("tin.esObj", "name Tin\nobj tin.obj\nscale 1\nmass 1 0 0 0\ncapsule 0 50 0 30 100 y\n");
     scratch.write("c.sim", "world room.wld\nobj tin.esObj\nS4 500 500 0 turn.x\n");
-    assert_eq!(told("c.sim", &[]).1, "1000 500 360");
+    assert_eq!(reported("c.sim", &[]).1, "1000 500 360");
     let ran = scratch.eyesim(&["run", "c.sim"]);
     assert!(ran.stderr.contains("--dialect=vr2018 holds, --dialect=vr2023 changes that"), "{ran:#?}");
-    assert_eq!(told("c.sim", &["--dialect", "vr2023"]).1, "1000 500 0");
+    assert_eq!(reported("c.sim", &["--dialect", "vr2023"]).1, "1000 500 0");
     let refused = scratch.eyesim(&["run", "c.sim", "--dialect", "vr2020"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("expected vr2018, vr2023 or classic"), "{refused:#?}");
 }
@@ -568,7 +572,7 @@ fn file_options_and_dialect_set_the_cell_size_of_a_maze() {
 }
 
 #[test]
-fn a_robot_that_leaves_through_a_gap_is_told_with_its_instant() {
+fn a_robot_that_leaves_through_a_gap_is_reported_with_its_instant() {
     let scratch = Scratch::new();
     scratch.write("out.c", "#include \"eyebot.h\"\nint main() { VWStraight(1000, 100); VWWait(); return 0; }\n");
     // Mazes with a gap: a lower-case `s` in the bottom row, and a missing `|` at the right.

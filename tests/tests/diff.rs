@@ -64,7 +64,7 @@ fn one_bit_of_one_reading_is_named() {
 }
 
 #[test]
-fn runs_that_part_are_told_with_their_cause_and_drawn() {
+fn runs_that_diverge_are_reported_with_their_cause_and_drawn() {
     let scratch = Scratch::new();
     run(&scratch, "a", &["--noise", "real"]);
     run(&scratch, "b", &["--noise", "real", "--seed", "7"]);

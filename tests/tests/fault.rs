@@ -56,7 +56,7 @@ fn an_endless_loop_is_stopped_with_its_line() {
 }
 
 #[test]
-fn a_loop_that_waits_for_a_timer_is_told_to_make_calls() {
+fn a_loop_that_waits_for_a_timer_gets_the_advice_to_make_calls() {
     let program = "#include \"eyebot.h\"\nvolatile int n;\nvoid tick(void) { n++; }\n\
                    int main(void) {\n    OSAttachTimer(10, tick);\n    while (n < 5)\n        ;\n    return 0;\n}\n";
     let (report, ..) = run(program, &["--timeout", "0.5"]);
@@ -78,7 +78,7 @@ fn what_counts_is_the_time_between_two_waits_also_of_a_robot_alone() {
 }
 
 #[test]
-fn a_stack_overflow_is_told_from_other_faults() {
+fn a_stack_overflow_is_distinguished_from_other_crashes() {
     let (report, ..) = run(
         "#include \"eyebot.h\"\nint deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }\n\
          int main(void) { return deep(0); }\n",
@@ -88,7 +88,7 @@ fn a_stack_overflow_is_told_from_other_faults() {
 }
 
 #[test]
-fn a_division_by_zero_and_a_wild_pointer_are_told() {
+fn a_division_by_zero_and_a_wild_pointer_are_reported() {
     let (report, ..) =
         run("#include \"eyebot.h\"\nint main(void) { volatile int zero = 0; return 100 / zero; }\n", &[]);
     assert!(reason(&report).contains("arithmetic"), "{}", reason(&report));
@@ -135,7 +135,7 @@ fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
 }
 
 #[test]
-fn a_fault_in_a_thread_that_is_no_task_ends_the_run_with_a_message() {
+fn a_crash_in_a_thread_that_is_not_a_task_ends_the_run_with_a_message() {
     let scratch = Scratch::new();
     scratch.write(
         "prog.c",
@@ -194,7 +194,7 @@ fn a_program_that_prints_without_end_comes_to_the_end_of_its_run() {
 }
 
 #[test]
-fn an_unfinished_line_is_shown_before_the_break_of_its_own_robot() {
+fn an_unfinished_line_is_shown_before_the_failure_of_its_own_robot() {
     let source = "#include \"eyebot.h\"\n#include <stdio.h>\nint main(void) {\n  int id = OSMachineID(), *none = NULL;\n  printf(\"robot %d\", id);\n\
                   \x20 fprintf(stderr, \"error %d\", id);\n  OSWait(100);\n  if (id == 2)\n    return *none;\n  OSWait(1000);\n  printf(\" ends\\n\");\n\
                   \x20 return 0;\n}\n";
@@ -220,7 +220,7 @@ fn an_unfinished_line_is_shown_before_the_break_of_its_own_robot() {
 }
 
 #[test]
-fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
+fn memory_written_beyond_its_end_is_reported_where_it_is_freed() {
     let source = |bytes: usize| {
         format!(
             "#include \"eyebot.h\"\nint main(void) {{\n  volatile int n = {bytes};\n  char *a = malloc(10), *b = malloc(10);\n\
@@ -252,7 +252,7 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
 }
 
 #[test]
-fn memory_that_the_c_library_or_a_program_makes_longer_is_no_mistake() {
+fn memory_that_the_c_library_or_a_program_makes_longer_is_not_a_mistake() {
     let source = r#"#include "eyebot.h"
 #include <assert.h>
 int main(void)

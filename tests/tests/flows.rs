@@ -128,8 +128,8 @@ fn random_scenes_have_one_digest_on_every_kind_of_flow() {
             let digest = report["digest"].as_str().expect("a digest").to_owned();
             (digest, ran.stderr)
         };
-        let (first, told) = digest(&["--exec", "fiber", "--threads", "1"]);
-        assert!(!told.contains("runs on a thread"), "scene {number}: {told}");
+        let (first, output) = digest(&["--exec", "fiber", "--threads", "1"]);
+        assert!(!output.contains("runs on a thread"), "scene {number}: {output}");
         for (exec, threads) in [("fiber", "2"), ("thread", "1"), ("thread", "2"), ("process", "2"), ("auto", "2")] {
             let other = digest(&["--exec", exec, "--threads", threads]).0;
             assert_eq!(other, first, "scene {number} with --exec {exec} --threads {threads}");

@@ -135,7 +135,7 @@ fn a_check_says_what_a_forbidden_call_costs() {
 }
 
 #[test]
-fn unknown_functions_are_told_with_what_was_meant() {
+fn unknown_functions_are_reported_with_what_was_meant() {
     for (forbid, said, meant) in [
         ("forbid = [\"SIN*\"]", "there is no function `SIN*`", "did you mean `SIM*`?"),
         (

@@ -73,7 +73,7 @@ fn functions_of_both_generations_are_a_mistake_that_names_them() {
 }
 
 #[test]
-fn cc_builds_for_the_generation_that_is_said_or_told() {
+fn cc_builds_for_the_generation_that_is_given_or_detected() {
     let scratch = Scratch::new();
     scratch.write("maze.c", OF_7);
     let ran = scratch.eyesim(&["cc", "maze.c", "-o", "maze.so"]);

@@ -464,7 +464,7 @@ fn opponents_and_headers_are_those_of_the_suite_and_of_each_robot() {
 }
 
 #[test]
-fn wrong_arguments_are_told() {
+fn wrong_arguments_are_reported() {
     if tests::lacks_sandbox() {
         return;
     }

@@ -197,7 +197,7 @@ fn each_lab_begins_with_one_command_and_a_program_that_has_few_points() {
 }
 
 #[test]
-fn an_unknown_lab_is_told_with_the_known_ones() {
+fn an_unknown_lab_is_reported_with_the_known_ones() {
     let scratch = Scratch::new();
     let ran = scratch.eyesim(&["new", "--lab", "brushfir"]);
     assert_ne!(ran.code, Some(0));

@@ -296,7 +296,7 @@ fn feet_alternate_and_tread_a_stride_apart() {
 }
 
 #[test]
-fn what_legs_cannot_do_is_refused_and_told() {
+fn motions_beyond_the_legs_are_refused_and_reported() {
     let scratch = Scratch::new();
     let wrong = r#"#include <stdio.h>
 #include <limits.h>

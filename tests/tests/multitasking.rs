@@ -463,7 +463,7 @@ int main(void) { OSMTInit(COOP); OSSemInit(&none, 0); OSAttachTimer(1, tick); OS
 }
 
 #[test]
-fn a_deadlock_is_told_with_tasks_and_semaphores() {
+fn a_deadlock_is_reported_with_tasks_and_semaphores() {
     let source = "
 static struct sem one, two;
 static void left(void) { OSSemP(&one); OSSleep(10); OSSemP(&two); OSSemV(&one); }
@@ -577,7 +577,7 @@ int main(void)
 }
 
 #[test]
-fn wrong_calls_are_refused_and_told() {
+fn wrong_calls_are_refused_and_reported() {
     let lines = output_of(
         "
 #define SHOW(call) printf(\"%d \", call)
@@ -625,7 +625,7 @@ int main(void)
 }
 
 #[test]
-fn main_is_told_of_the_tasks_that_it_leaves_behind() {
+fn tasks_that_main_leaves_behind_are_reported() {
     let source = "
 static void waits(void) { OSSleep(100); }
 int main(void) { OSMTInit(PREEMPT); OSReady(OSSpawn(\"late\", waits, 0, 1, 0)); OSPermit(); return 0; }

@@ -89,23 +89,23 @@ fn a_scene_of_the_repository_is_packed_with_its_files() {
 }
 
 #[test]
-fn what_cannot_be_packed_or_opened_is_told() {
+fn files_that_cannot_be_packed_or_opened_are_reported() {
     let course = course();
-    let told = |args: &[&str], part: &str| {
+    let reports = |args: &[&str], part: &str| {
         let ran = course.eyesim(args);
         assert_eq!(ran.code, Some(2), "{ran:#?}");
         assert!(ran.stderr.contains(part), "{part}: {ran:#?}");
     };
-    told(&["pack", "course/lab/lab.scene.toml", "-o", "lab.tar"], "ends in .zip");
+    reports(&["pack", "course/lab/lab.scene.toml", "-o", "lab.tar"], "ends in .zip");
     let world = course.path().join("course/worlds/room.wld");
     let text =
         course.read("course/lab/lab.scene.toml").replace("../worlds/room.wld", world.to_str().expect("plain text"));
     course.write("course/lab/absolute.scene.toml", &text);
-    told(&["pack", "course/lab/absolute.scene.toml", "-o", "a.zip"], "absolute path");
+    reports(&["pack", "course/lab/absolute.scene.toml", "-o", "a.zip"], "absolute path");
     course.write("broken.zip", "PK\x03\x04 and no more");
-    told(&["run", "broken.zip"], "no archive");
-    told(&["test", "broken.zip"], "no archive");
-    told(&["run", "nowhere.zip"], "nowhere.zip");
+    reports(&["run", "broken.zip"], "not a readable archive");
+    reports(&["test", "broken.zip"], "not a readable archive");
+    reports(&["run", "nowhere.zip"], "nowhere.zip");
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn an_image_on_the_floor_and_a_mesh_are_shown() {
 }
 
 #[test]
-fn mistakes_are_told_and_the_rest_is_drawn() {
+fn mistakes_are_reported_and_the_rest_is_drawn() {
     let scratch = Scratch::new();
     scratch.write("a.wld", "floor 1000 1000\n0 0 1000 0\nush 1 2 3\n");
     let ran = plot(&scratch, "a.wld", "a.svg", &[]);

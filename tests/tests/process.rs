@@ -164,7 +164,7 @@ fn reason(report: &Value) -> &str {
 }
 
 #[test]
-fn a_null_write_ends_its_robot_alone_and_is_told_with_its_line() {
+fn a_null_write_ends_its_robot_alone_and_is_reported_with_its_line() {
     let (report, ran) = break_one(
         "#include \"eyebot.h\"\nint main(void) {\n    int *p = 0;\n    VWHandle vw = VWInit(VW_DRIVE, 1);\n    VWSetSpeed(vw, 0.1, 0);\n\
          OSWait(100);\n    *p = 1;\n    return 0;\n}\n",
@@ -197,7 +197,7 @@ fn an_endless_loop_and_a_sleep_in_the_kernel_end_their_robot_alone() {
 }
 
 #[test]
-fn a_program_that_stops_its_own_process_is_told_and_ended() {
+fn a_program_that_stops_its_own_process_is_reported_and_ended() {
     for stop in ["raise(SIGSTOP)", "kill(getpid(), SIGSTOP); for (;;)", "for (;;) raise(SIGSTOP)"] {
         let start = Instant::now();
         let (report, _) = break_one(
@@ -317,7 +317,7 @@ fn assert_gone(pids: &[u32]) {
 }
 
 #[test]
-fn a_child_that_is_killed_from_outside_is_told_and_the_interrupt_leaves_no_process() {
+fn a_child_that_is_killed_from_outside_is_reported_and_the_interrupt_leaves_no_process() {
     let scratch = Scratch::new();
     let (mut host, children) = start(&scratch, 3);
     kill("-KILL", children[1]);

@@ -248,7 +248,7 @@ fn what_a_timer_raises_is_raised_by_the_call_that_it_interrupts() {
 }
 
 #[test]
-fn a_program_that_is_not_python_or_has_no_interpreter_is_told() {
+fn a_program_that_is_not_python_or_has_no_interpreter_is_reported() {
     if !has_python() {
         return;
     }

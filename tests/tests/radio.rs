@@ -256,7 +256,7 @@ fn buffers_have_room_for_1024_bytes() {
 }
 
 #[test]
-fn who_waits_for_whom_is_told() {
+fn the_waits_of_robots_for_each_other_are_reported() {
     let waits = "#include \"eyebot.h\"\nint main(void)\n{\n    BYTE b[MAXMSGLEN];\n    RADIOInit();\n    OSWait(30);\n    \
                  RADIORecv(0, 0, b);\n    return 0;\n}\n";
     let ends = "#include \"eyebot.h\"\nint main(void) { OSWait(200); return 0; }\n";

@@ -229,7 +229,7 @@ fn many_sensors(scratch: &Scratch, program: &str, api: &str) {
 }
 
 #[test]
-fn more_sensors_than_handles_are_told_of() {
+fn more_sensors_than_handles_are_reported() {
     let scratch = Scratch::new();
     let program =
         "int main(void)\n{\n  printf(\"%d %d %d\\n\", PSDInit(2), PSDInit(31), PSDInit(32));\n  return 0;\n}\n";

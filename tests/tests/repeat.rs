@@ -377,7 +377,7 @@ fn thirty_interventions_of_whatever_kind_give_the_same_digest_again() {
 }
 
 #[test]
-fn runs_that_part_are_told_apart_by_the_first_slot() {
+fn runs_that_diverge_are_distinguished_by_the_first_slot() {
     let scratch = Scratch::new();
     scratch.write("twice.c", TWICE);
     write_scene(&scratch, &["twice.c"]);
@@ -431,7 +431,7 @@ fn runs_that_part_are_told_apart_by_the_first_slot() {
 }
 
 #[test]
-fn what_is_no_trace_is_told_before_anything_runs() {
+fn a_file_that_is_not_a_trace_is_reported_before_anything_runs() {
     let scratch = Scratch::new();
     scratch.write("twice.c", TWICE);
     write_scene(&scratch, &["twice.c"]);

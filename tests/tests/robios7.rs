@@ -214,7 +214,7 @@ fn serial_lines_carry_what_the_companion_connects() {
 }
 
 #[test]
-fn who_waits_on_a_silent_line_is_told() {
+fn a_wait_on_a_silent_line_is_reported() {
     let scratch = scene_of("int main(void) { SERInit(3, 9600, 0); SERReceiveChar(3); return 0; }");
     let (_, messages) = printed(&scratch, &[], 1);
     assert!(messages.contains("a byte on SERIAL3, to which nothing is connected"), "{messages}");

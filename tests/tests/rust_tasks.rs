@@ -139,8 +139,8 @@ fn tasks_fail_and_end_as_they_should() {
     assert!(reason(panicked).contains(&location) && reason(panicked).ends_with("out of cheese"), "{panicked:#}");
     assert_eq!(panicked_lines, &["doomed let go", "main let go"]);
     assert!(reason(error).contains("no PSD sensor `PsdAt::Back`"), "{error:#}");
-    for told in ["deadlock", "left", "right", "semaphore 1", "semaphore 2"] {
-        assert!(reason(deadlock).contains(told), "`{told}`: {deadlock:#}");
+    for expected in ["deadlock", "left", "right", "semaphore 1", "semaphore 2"] {
+        assert!(reason(deadlock).contains(expected), "`{expected}`: {deadlock:#}");
     }
     assert_eq!(kill["outcome"], "finished", "{kill:#}");
     assert_eq!(kill_lines, &["holder let go", "value 7", "main let go"]);

@@ -138,7 +138,7 @@ fn a_program_that_breaks_the_heap_ends_with_a_message() {
 }
 
 #[test]
-fn an_endless_loop_is_told_with_its_line_and_what_to_do() {
+fn an_endless_loop_is_reported_with_its_line_and_what_to_do() {
     let scratch = Scratch::new();
     scratch.write("mine.c", "int main(void)\n{\n  while (1)\n    ;\n}\n");
     write_scene(&scratch, &["mine.c"]);
@@ -148,7 +148,7 @@ fn an_endless_loop_is_told_with_its_line_and_what_to_do() {
 }
 
 #[test]
-fn a_program_without_a_call_is_told_that_its_robot_did_nothing() {
+fn a_program_without_a_call_gets_the_hint_that_its_robot_did_nothing() {
     let words = "has called no function of RoBIOS: its robot has done nothing";
     let (idle, code) = messages("int main(void) { return 0; }\n");
     assert!(code == Some(0) && idle.contains(&format!("r1 (`mine.c`) {words}")), "{idle}");
@@ -157,7 +157,7 @@ fn a_program_without_a_call_is_told_that_its_robot_did_nothing() {
 }
 
 #[test]
-fn a_call_with_wrong_values_is_told_for_the_generation_of_the_scene() {
+fn a_call_with_wrong_values_is_reported_for_the_generation_of_the_scene() {
     for (call, words) in [
         ("int x = 0; VWGetPosition(x, x, x);", "write `&` before its name"),
         (
@@ -174,7 +174,7 @@ fn a_call_with_wrong_values_is_told_for_the_generation_of_the_scene() {
 }
 
 #[test]
-fn results_and_parentheses_that_python_drops_are_told() {
+fn results_and_parentheses_that_python_drops_are_reported() {
     let scratch = Scratch::new();
     let text =
         "from eye import *\nx, y, phi = 0, 0, 0\nVWGetPosition(x, y, phi)\nx, y, phi = VWGetPosition()\nVWWait\n";
@@ -191,7 +191,7 @@ fn results_and_parentheses_that_python_drops_are_told() {
 }
 
 #[test]
-fn ranges_that_run_backwards_and_numbers_of_jobs_are_told() {
+fn ranges_that_run_backwards_and_numbers_of_jobs_are_reported() {
     let scratch = Scratch::new();
     scratch.write("mine.c", "int main(void) { return 0; }\n");
     write_scene(&scratch, &["mine.c"]);

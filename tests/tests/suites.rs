@@ -161,7 +161,7 @@ fn a_program_that_writes_into_the_pool_s_connection_is_an_error_of_its_case() {
 }
 
 #[test]
-fn an_input_that_changes_meanwhile_is_told() {
+fn an_input_that_changes_meanwhile_is_reported() {
     let scratch = of_page();
     let program =
         "import os\nfrom eye import *\nwith open('room.scene.toml', 'a') as scene:\n    scene.write('# changed\\n')\n";
@@ -184,7 +184,7 @@ fn outputs_do_not_overwrite_programs() {
 }
 
 #[test]
-fn cases_that_were_not_run_are_told() {
+fn cases_that_were_not_run_are_reported() {
     let scratch = failing();
     let files = ["--report", "r.json", "--junit", "r.xml", "--html", "h"];
     let ran = test(&scratch, &[&["0.suite.toml", "-x", "-j", "1"], &files[..]].concat(), 1);
@@ -198,7 +198,7 @@ fn cases_that_were_not_run_are_told() {
 }
 
 #[test]
-fn wrong_suites_are_told() {
+fn wrong_suites_are_reported() {
     let scratch = of_page();
     let base = scratch.read("0.suite.toml");
     let cases = [
@@ -239,7 +239,7 @@ fn wrong_suites_are_told() {
 }
 
 #[test]
-fn a_pipe_as_scene_and_a_full_disk_are_told() {
+fn a_pipe_as_scene_and_a_full_disk_are_reported() {
     let scratch = of_page();
     let pipe = scratch.path().join("pipe.scene.toml");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());

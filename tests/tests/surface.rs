@@ -175,7 +175,7 @@ fn threads_of_python_call_in_the_same_order_in_each_run() {
 }
 
 #[test]
-fn a_thread_of_python_that_polls_without_a_call_is_told() {
+fn a_thread_of_python_that_polls_without_a_call_is_reported() {
     if !has("python3", "pass") {
         return;
     }
@@ -191,7 +191,7 @@ fn a_thread_of_python_that_polls_without_a_call_is_told() {
 }
 
 #[test]
-fn threads_of_python_that_wait_for_each_other_are_told() {
+fn threads_of_python_that_wait_for_each_other_are_reported() {
     if !has("python3", "pass") {
         return;
     }

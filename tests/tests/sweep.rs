@@ -255,11 +255,11 @@ fn a_changed_suite_does_not_mix_with_old_rows() {
 }
 
 #[test]
-fn files_that_are_not_as_they_should_be_are_told() {
+fn malformed_files_are_reported() {
     let scratch = suite(4);
     into(&scratch, "out", &[]);
     let good = scratch.read(&file_of("out"));
-    let told = |text: &str, what: &str| {
+    let reports = |text: &str, what: &str| {
         scratch.write(&file_of("out"), text);
         for args in [&["a.suite.toml", "-o", "out"][..], &["status", "out"], &["merge", "out", "-o", "m.csv"]] {
             let ran = sweep(&scratch, args, 2);
@@ -269,12 +269,12 @@ fn files_that_are_not_as_they_should_be_are_told() {
     };
     let mut lines: Vec<&str> = good.lines().collect();
     lines[2] = &lines[2][..100];
-    told(&(lines.join("\n") + "\n"), ":3:100: EOF while parsing");
-    told(&good.replace(env!("CARGO_PKG_VERSION"), "0.0.1"), "the rows are of eyesim 0.0.1");
-    told("milk, bread\n", ":1:1: the file does not begin as one of a sweep");
-    told("milk, bread", ":1:1: the file does not begin as one of a sweep");
-    told(&good.replace("\"schema\":1", "\"schema\":2"), "the row is of schema 2, not 1");
-    told(&good.replace("\"outcome\":\"passed\"", "\"outcome\":\"splendid\""), "unknown variant `splendid`");
+    reports(&(lines.join("\n") + "\n"), ":3:100: EOF while parsing");
+    reports(&good.replace(env!("CARGO_PKG_VERSION"), "0.0.1"), "the rows are of eyesim 0.0.1");
+    reports("milk, bread\n", ":1:1: the file does not begin as one of a sweep");
+    reports("milk, bread", ":1:1: the file does not begin as one of a sweep");
+    reports(&good.replace("\"schema\":1", "\"schema\":2"), "the row is of schema 2, not 1");
+    reports(&good.replace("\"outcome\":\"passed\"", "\"outcome\":\"splendid\""), "unknown variant `splendid`");
     // An edited key differs from the key of the case.
     scratch.write(&file_of("out"), &good.replace("\"key\":\"", "\"key\":\"f"));
     assert!(sweep(&scratch, &["a.suite.toml", "-o", "out"], 2).stderr.contains("is not of this suite"));
@@ -285,40 +285,40 @@ fn files_that_are_not_as_they_should_be_are_told() {
 }
 
 #[test]
-fn wrong_arguments_and_places_are_told() {
+fn wrong_arguments_and_places_are_reported() {
     let scratch = suite(4);
-    let told = |args: &[&str], what: &str| {
+    let reports = |args: &[&str], what: &str| {
         let ran = sweep(&scratch, args, 2);
         assert!(ran.stderr.contains(what), "{what}: {ran:#?}");
     };
     for shard in ["0/0", "3/2", "0/2", "1", "x/2"] {
-        told(&["a.suite.toml", "-o", "out", "--shard", shard], "expected I/N with I from 1 to N");
+        reports(&["a.suite.toml", "-o", "out", "--shard", shard], "expected I/N with I from 1 to N");
     }
-    told(&["a.suite.toml"], "--output");
-    told(&[], "eyesim sweep");
-    told(&["a.suite.toml", "-o", "square.c"], "`square.c` is not a folder");
-    told(&["a.suite.toml", "-o", "/proc/out"], "/proc/out");
-    told(&["room.scene.toml", "-o", "out"], "is a scene");
-    told(&["a.zip", "-o", "out"], "is an archive: unpack it");
-    told(&["nowhere.suite.toml", "-o", "out"], "nowhere.suite.toml");
-    told(&["status", "nowhere"], "`nowhere`");
+    reports(&["a.suite.toml"], "--output");
+    reports(&[], "eyesim sweep");
+    reports(&["a.suite.toml", "-o", "square.c"], "`square.c` is not a folder");
+    reports(&["a.suite.toml", "-o", "/proc/out"], "/proc/out");
+    reports(&["room.scene.toml", "-o", "out"], "is a scene");
+    reports(&["a.zip", "-o", "out"], "is an archive: unpack it");
+    reports(&["nowhere.suite.toml", "-o", "out"], "nowhere.suite.toml");
+    reports(&["status", "nowhere"], "`nowhere`");
     fs::create_dir(scratch.path().join("empty")).expect("a folder");
-    told(&["status", "empty"], "has no rows of a sweep");
-    told(&["merge", "empty", "-o", "m.csv"], "has no rows of a sweep");
+    reports(&["status", "empty"], "has no rows of a sweep");
+    reports(&["merge", "empty", "-o", "m.csv"], "has no rows of a sweep");
     assert!(Command::new("mkfifo").arg(scratch.path().join("empty").join(WHOLE)).status().expect("mkfifo").success());
-    told(&["status", "empty"], "is not a file");
-    told(&["a.suite.toml", "-o", "empty"], "is not a file");
+    reports(&["status", "empty"], "is not a file");
+    reports(&["a.suite.toml", "-o", "empty"], "is not a file");
     let text = scratch.read("a.suite.toml");
     scratch.write("a.suite.toml", &text.replace("seed = \"1..2\"", "seed = 1\nexclude = [{ seed = 1 }]"));
-    told(&["a.suite.toml", "-o", "out"], "leaves no case");
+    reports(&["a.suite.toml", "-o", "out"], "leaves no case");
     scratch.write("a.suite.toml", &text);
     scratch.write("square.c", &PROGRAM.replace("VWWait();", "VWWait()"));
-    told(&["a.suite.toml", "-o", "out"], "cannot be run");
-    told(&["a.suite.toml", "-o", "out"], "square.c:5");
+    reports(&["a.suite.toml", "-o", "out"], "cannot be run");
+    reports(&["a.suite.toml", "-o", "out"], "square.c:5");
 }
 
 #[test]
-fn a_full_disk_is_told_and_the_sweep_continues() {
+fn a_full_disk_is_reported_and_the_sweep_continues() {
     let scratch = suite(600);
     sweep(&scratch, &["plan", "a.suite.toml"], 0);
     // A limit of 300 kB for files has the effect of a full disk.
@@ -335,7 +335,7 @@ fn a_full_disk_is_told_and_the_sweep_continues() {
 }
 
 #[test]
-fn two_sweeps_of_one_shard_at_once_are_told() {
+fn two_sweeps_of_one_shard_at_once_are_reported() {
     let scratch = suite(4000);
     let mut first = start(&scratch, "out", &["-j", "1"], 2);
     let ran = sweep(&scratch, &["a.suite.toml", "-o", "out"], 2);
@@ -405,7 +405,7 @@ fn tables_have_what_rows_say() {
 }
 
 #[test]
-fn cases_that_could_not_be_run_are_told_and_run_again() {
+fn cases_that_could_not_be_run_are_reported_and_run_again() {
     let scratch = suite(4);
     // A check whose program prints no verdict.
     scratch.write("judge.py", "1 / 0\n");

@@ -489,7 +489,7 @@ int main(void) {
 }
 
 #[test]
-fn a_deadlock_is_told_with_who_waits_for_whom() {
+fn a_deadlock_is_reported_with_the_waiting_tasks() {
     let (ran, report) = run_one(
         "static pthread_mutex_t a = PTHREAD_MUTEX_INITIALIZER, b = PTHREAD_MUTEX_INITIALIZER;
 static void *other(void *p) {
@@ -558,7 +558,7 @@ int main(void) { pthread_t t; pthread_create(&t, NULL, bad, NULL); for (;;) OSWa
 }
 
 #[test]
-fn a_stack_overflow_in_a_task_is_told() {
+fn a_stack_overflow_in_a_task_is_reported() {
     let (_, report) = run_one(
         "static int deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }
 static void *bad(void *p) { OSWait(1); deep(0); return p; }

@@ -525,7 +525,7 @@ fn what_is_no_trace_is_refused() {
     let scratch = Scratch::new();
     for (name, text, words) in [
         ("empty.jsonl", "", "it is empty"),
-        ("garbage.jsonl", "\u{1}\u{2}\n{}\n", "no JSON"),
+        ("garbage.jsonl", "\u{1}\u{2}\n{}\n", "not JSON"),
         ("other.jsonl", "{}\n", "header"),
     ] {
         scratch.write(name, text);

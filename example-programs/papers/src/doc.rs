@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_that_is_missing_or_nobodys_is_told() {
+    fn a_missing_or_unused_place_is_reported() {
         let message = |text: &str| doc(text).differences("wu", &page()).expect_err("no place").to_string();
         assert!(message("").contains("no place for the claims of `wu`"));
         assert!(message("<!-- papers: wu -->\n").contains("expected `<!-- end -->` after `wu`"));

@@ -218,7 +218,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_frame_is_told_in_millimetres() {
+    fn the_frame_is_given_in_millimetres() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         let told = frame(&words("-500 0 1500 1000 100")).expect("a frame");
         assert_eq!((told.columns(), told.rows(), told.origin()), (20, 10, Point::new(-0.5, 0.0)));

@@ -21,7 +21,7 @@ const MIN_WIDTH: usize = 30;
 /// Maximum width of prose, in columns: longer lines are hard to read.
 const MAX_PROSE: usize = 120;
 
-/// How diagnostics are printed.
+/// Format in which diagnostics are printed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// `human` on a terminal, else `short`
@@ -42,7 +42,7 @@ impl Format {
     }
 }
 
-/// When colours are used.
+/// Condition for the use of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
     /// On a terminal, unless NO_COLOR is set

@@ -301,7 +301,7 @@ mod tests {
         check(&python, &[("check.py", "1"), ("lab/eye.py", "2"), ("lab/solve.py", "3")], Ok(&[&["lab/solve.py"]]));
         check(&python, &[("x/check.py", "1")], Err("`x/check.py` is left out: the suite has a file of this name"));
         check(&[submit("1", &["*"])], &[("main.py", "1"), ("b.c", "2")], Err("several kinds"));
-        check(&[submit("1", &["*.txt"])], &[("main.txt", "1")], Err("no program"));
+        check(&[submit("1", &["*.txt"])], &[("main.txt", "1")], Err("not a program"));
         let two = [submit("1", &["leader.c"]), submit("2", &["roles/*.c"])];
         check(&two, &[("leader.c", ""), ("x/roles/b.c", "")], Ok(&[&["leader.c"], &["x/roles/b.c"]]));
         check(&two, &[("roles/leader.c", "")], Err("fits the patterns of `1` and of `2`"));

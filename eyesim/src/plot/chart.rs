@@ -146,7 +146,7 @@ struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
-    /// Whether the axis shows 0. On a logarithmic axis, numbers that are not positive are drawn at the lower edge,
+    /// True if the axis shows 0. On a logarithmic axis, numbers that are not positive are drawn at the lower edge,
     /// which is labelled 0.
     shows_zero: bool,
 }

@@ -111,7 +111,7 @@ fn last_active(episodes: &[Episode], at: Time) -> Option<&Episode> {
     episodes[..begun].last().filter(|last| last.end.is_none_or(|end| end > at))
 }
 
-/// Whether two faults act on the same sensor, radio or noise parameter of a robot.
+/// Returns true if two faults act on the same sensor, radio or noise parameter of a robot.
 fn has_same_target(fault: &FaultSpec, other: &FaultSpec) -> bool {
     let is_same_kind = match (begin_action(fault), begin_action(other)) {
         (Action::SetNoise { parameter, .. }, Action::SetNoise { parameter: other, .. }) => parameter == other,

@@ -75,7 +75,7 @@ fn number(value: &Value, path: &str) -> Result<f64, String> {
         Value::Number(number) => number.as_f64().ok_or_else(|| format!("`{path}` is too large")),
         Value::Bool(flag) => Ok(f64::from(u8::from(*flag))),
         Value::Null => Err(format!("`{path}` has no value in this run")),
-        Value::String(text) => Err(format!("`{path}` is the text `{text}`, no number")),
+        Value::String(text) => Err(format!("`{path}` is the text `{text}`, not a number")),
         Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is not a number")),
     }
 }

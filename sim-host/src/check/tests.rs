@@ -71,7 +71,7 @@ fn numbers_are_found_by_path_and_points_are_partial() {
         ("robots[-1]", "`-1` in `robots[-1]` is not an index from 0"),
         ("robots[0]x", "`robots[0]x`: expected `.` or `[` after `robots[0]`"),
         ("robots[0].reason", "`robots[0].reason` has no value in this run"),
-        ("robots[0].lcd[0]", "`robots[0].lcd[0]` is the text `a`, no number"),
+        ("robots[0].lcd[0]", "`robots[0].lcd[0]` is the text `a`, not a number"),
         ("sim_time_s.x", "`sim_time_s` has no parts"),
     ] {
         let verdict = judge(&report, path, [None; 2], None);

@@ -162,13 +162,18 @@ fn refused(add: Add<'_>) {
     let mine = honest(200);
     add("refused-empty-folder", Form::Folder(vec![]), "error", "no file fits");
     add("refused-empty-zip", Form::File(".zip", zip_of(&[])), "error", "no file fits");
-    add("refused-no-zip", Form::File(".zip", Vec::new()), "error", "no archive that can be read");
-    add("refused-cut-zip", Form::File(".zip", zip_of(&[("solve.c", &mine)])[..60].to_vec()), "error", "no archive");
+    add("refused-no-zip", Form::File(".zip", Vec::new()), "error", "not a readable archive");
+    add(
+        "refused-cut-zip",
+        Form::File(".zip", zip_of(&[("solve.c", &mine)])[..60].to_vec()),
+        "error",
+        "not a readable archive",
+    );
     add(
         "refused-cut-tgz",
         Form::File(".tgz", gz(&tar_of(&[("solve.c", &mine)]))[..40].to_vec()),
         "error",
-        "no archive",
+        "not a readable archive",
     );
     add(
         "refused-outside",

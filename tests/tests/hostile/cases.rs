@@ -21,7 +21,7 @@ pub struct Case {
     /// Source text; for Rust the name of an arm in `hostile.rs`.
     pub source: String,
     /// The message must contain one of these texts; empty if the program may end well.
-    pub told: &'static [&'static str],
+    pub expected: &'static [&'static str],
 }
 
 use Language::{C, C7, Cpp, Python, Rust};
@@ -1296,12 +1296,12 @@ pub fn all() -> Vec<Case> {
     let c = |text: String| format!("{HEAD}{text}\n");
     let mut cases = Vec::new();
     for (index, program) in PLACES {
-        for (crash, statements, told) in CRASHES {
+        for (crash, statements, expected) in CRASHES {
             let source = c(program.replace("CRASH", statements).replacen("{ ", "{ unused; ", 1));
-            cases.push(Case { class: "crashes", name: format!("{crash} in {index}"), language: C, source, told });
+            cases.push(Case { class: "crashes", name: format!("{crash} in {index}"), language: C, source, expected });
         }
     }
-    for (class, name, statements, told) in BODIES {
+    for (class, name, statements, expected) in BODIES {
         let statements = match *statements {
             "NULLS" => WITH_ARGUMENTS.replace('@', "0"),
             "NUMBERS" => ["-1", "2147483647", "-2147483647 - 1", "65536"]
@@ -1310,9 +1310,9 @@ pub fn all() -> Vec<Case> {
             statements => statements.to_owned(),
         };
         let source = c(format!("int main(void) {{ unused; OSWait(20); {statements} return 0; }}"));
-        cases.push(Case { class, name: (*name).to_owned(), language: C, source, told });
+        cases.push(Case { class, name: (*name).to_owned(), language: C, source, expected });
     }
-    for (class, name, language, text, told) in WHOLE {
+    for (class, name, language, text, expected) in WHOLE {
         let source = match language {
             C if text.contains("int main(void)") => c((*text).to_owned()),
             C => (*text).to_owned(),
@@ -1321,7 +1321,7 @@ pub fn all() -> Vec<Case> {
             Python => format!("from eye import *\n{text}\n"),
             Rust => (*text).to_owned(),
         };
-        cases.push(Case { class, name: (*name).to_owned(), language: *language, source, told });
+        cases.push(Case { class, name: (*name).to_owned(), language: *language, source, expected });
     }
     cases
 }

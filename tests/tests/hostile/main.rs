@@ -161,9 +161,9 @@ fn without_chance(words: &str) -> String {
 }
 
 /// Description of what is wrong with the result of a case; `None` if it is right.
-fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String> {
-    let RunResult { code, text, said, others, has_end, seconds, .. } = told;
-    let is_told = |words: &&str| text.contains(*words) || said.contains(*words);
+fn mistake(case: &Case, result: &RunResult, reference: &[String]) -> Option<String> {
+    let RunResult { code, text, said, others, has_end, seconds, .. } = result;
+    let is_expected = |words: &&str| text.contains(*words) || said.contains(*words);
     let whole = *has_end && others == reference;
     if *seconds >= HANGS_S || *code == Some(137) && !has_end && said.is_empty() && *seconds >= HANGS_S / 2 {
         return Some("hangs".to_owned());
@@ -179,14 +179,14 @@ fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String
     if *code == Some(0) && !text.starts_with("finished") && !text.starts_with("running") {
         return Some("ends with 0 although the program failed".to_owned());
     }
-    if *code != Some(0) && said.trim().is_empty() && told.signal.is_none() && *code != Some(137) {
+    if *code != Some(0) && said.trim().is_empty() && result.signal.is_none() && *code != Some(137) {
         return Some("ends without a message".to_owned());
     }
     if said.contains('\x1b') || said.contains('\x07') {
         return Some("steers the terminal".to_owned());
     }
-    let is_told = case.told.is_empty() || case.told.iter().any(is_told);
-    (!is_told && code.is_some_and(|code| code < 128)).then(|| format!("expected one of {:?}", case.told))
+    let is_expected = case.expected.is_empty() || case.expected.iter().any(is_expected);
+    (!is_expected && code.is_some_and(|code| code < 128)).then(|| format!("expected one of {:?}", case.expected))
 }
 
 /// Executors of a case, in the order of the table's columns.
@@ -202,7 +202,7 @@ fn flows(case: &Case) -> &'static [&'static str] {
 /// Runs the cases on all their executors; returns each case's message for each executor, and the mistakes.
 fn run_all(cases: &[Case]) -> (Vec<Vec<String>>, Vec<String>) {
     let harmless = "#include \"eyebot.h\"\nint main(void) { OSWait(20); return 0; }\n".to_owned();
-    let harmless = Case { class: "", name: String::new(), language: Language::C, source: harmless, told: &[] };
+    let harmless = Case { class: "", name: String::new(), language: Language::C, source: harmless, expected: &[] };
     let reference = run(&harmless, "thread");
     assert!(reference.code == Some(0) && reference.has_end && reference.others.len() > 100, "{reference:#?}");
     let next = AtomicUsize::new(0);
@@ -218,7 +218,7 @@ fn run_all(cases: &[Case]) -> (Vec<Vec<String>>, Vec<String>) {
                     let said: String =
                         result.said.chars().rev().take(600).collect::<Vec<_>>().into_iter().rev().collect();
                     let line = format!(
-                        "{} / {} ({exec}): {mistake}; exit code {:?}, {} s, told `{}`\n{said}",
+                        "{} / {} ({exec}): {mistake}; exit code {:?}, {} s, reported `{}`\n{said}",
                         case.class, case.name, result.code, result.seconds, result.text
                     );
                     results.1.push(line);
@@ -253,12 +253,12 @@ fn chosen() -> Vec<Case> {
 }
 
 #[test]
-fn hostile_programs_are_ended_in_time_and_told_and_change_no_other_robot() {
+fn hostile_programs_are_ended_in_time_and_reported_and_change_no_other_robot() {
     let cases = chosen();
-    let (told, mistakes) = run_all(&cases);
+    let (texts, mistakes) = run_all(&cases);
     let is_all = std::env::var("EYESIM_HOSTILE").is_ok_and(|wanted| wanted == "all");
     if is_all && std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
-        fs::write(root().join("docs/hostile.md"), page(&cases, &told)).expect("the page can be written");
+        fs::write(root().join("docs/hostile.md"), page(&cases, &texts)).expect("the page can be written");
     }
     assert!(mistakes.is_empty(), "{} of {} cases:\n{}", mistakes.len(), cases.len(), mistakes.join("\n\n"));
 }
@@ -276,7 +276,7 @@ fn the_page_lists_every_case() {
 }
 
 /// The text of docs/hostile.md.
-fn page(cases: &[Case], told: &[Vec<String>]) -> String {
+fn page(cases: &[Case], texts: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\
          Each robot program of this table runs as robot 2 between two robots with correct programs (`--timeout 0.5`). It\n\
@@ -290,8 +290,8 @@ fn page(cases: &[Case], told: &[Vec<String>]) -> String {
          `tests/tests/hostile/cases.rs`.\n\n\
          | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",
     );
-    for (case, told) in cases.iter().zip(told) {
-        let cell = |index: usize| told.get(index).map_or("", String::as_str).replace('|', "\\|").replace('<', "&lt;");
+    for (case, texts) in cases.iter().zip(texts) {
+        let cell = |index: usize| texts.get(index).map_or("", String::as_str).replace('|', "\\|").replace('<', "&lt;");
         let _ = writeln!(page, "| {} | {} | {} | {} | {} |", case.class, case.name, cell(0), cell(1), cell(2));
     }
     page

@@ -60,7 +60,7 @@ struct Method {
     kind: Kind,
 }
 
-/// What is searched beside the radius.
+/// Parameters of the search in addition to the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Position and tilt of each sensor.

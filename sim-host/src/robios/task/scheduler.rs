@@ -58,7 +58,7 @@ struct TaskEntry {
     activity: Activity,
 }
 
-/// How a task uses the processor.
+/// Use of the processor by a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Activity {
     /// Computes.

@@ -111,7 +111,7 @@ impl Sensor {
     }
 }
 
-/// What is true of sensors and task.
+/// Properties of the sensors and of the task under which they are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
     /// Name in tables.
