@@ -73,8 +73,8 @@ impl Dome {
     }
 }
 
-/// Distance of the first echo that an SRF08 hears, m, by the model of docs/sensors.md.
-fn heard(domes: &[Dome], sonar: &SonarPose) -> Option<f64> {
+/// Distance of the first echo that an SRF08 detects, m, by the model of docs/sensors.md.
+fn first_echo(domes: &[Dome], sonar: &SonarPose) -> Option<f64> {
     const RAYS: usize = 80;
     let nearby: Vec<&Dome> = domes
         .iter()
@@ -160,7 +160,7 @@ fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
     for _ in 0..1200 {
         let readings: Vec<Reading> = (0..SONARS)
             .map(|sonar| {
-                let distance = heard(&ground.0, &truth.sonar(&body::mount(sonar)));
+                let distance = first_echo(&ground.0, &truth.sonar(&body::mount(sonar)));
                 let distance = distance.filter(|_| numbers.next() > 0.01).map(|d| d * (1.0 + 0.005 * numbers.normal()));
                 Reading { sonar, pose: estimate, distance }
             })

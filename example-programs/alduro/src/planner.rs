@@ -30,14 +30,14 @@ const MAP_HALF_WIDTH: f64 = 14.0;
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
 /// A point blocks the operator's path if its membership in `high` is at least this.
 const BLOCKING_MEMBERSHIP: f64 = 0.5;
-/// Half angle about its line of sight within which a sonar reliably hears high obstacles, rad: a little less than half
+/// Half angle about its line of sight within which a sonar reliably detects high obstacles, rad: a little less than half
 /// the angle between two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
-/// Maximum range up to which cells are cleared, m. Within it, sonars reliably hear high obstacles.
+/// Maximum range up to which cells are cleared, m. Within it, sonars reliably detect high obstacles.
 const CLEAR_RANGE: f64 = 3.5;
 /// Range up to which cells are cleared if there is no echo, m. It is smaller, since the echo may have dropped out.
 const CLEAR_RANGE_NO_ECHO: f64 = 2.0;
-/// Height to which clearing lowers a cell, m: the sonars that look around hear no lower obstacle. Its membership in
+/// Height to which clearing lowers a cell, m: the sonars that look around detect no lower obstacle. Its membership in
 /// `high` is [`BLOCKING_MEMBERSHIP`], so a cell that has once returned an echo does not become level ground again.
 const CLEARED_HEIGHT: f64 = 0.3;
 /// l_max of Eq. 4, m from a shank.
@@ -135,7 +135,7 @@ pub struct Planner {
 impl Planner {
     /// A planner with an empty map, which holds `heading`, rad.
     pub fn new(heading: f64, corrections: Corrections) -> Self {
-        // Tuned for a quick rise at a possible obstacle rather than for accuracy: the sonars hear a rock ahead only a
+        // Tuned for a quick rise at a possible obstacle rather than for accuracy: the sonars detect a rock ahead only a
         // few times before the robot reaches it. Old readings are forgotten, since odometry drifts.
         let settings = Settings {
             order: Order::Zero,

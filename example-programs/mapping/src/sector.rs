@@ -548,7 +548,7 @@ mod tests {
         // d_B = d_A / cos a.
         let a = wall_reading(0.0, -HALF, 1.0);
         let b = wall_reading(FAN.sector, -HALF, 1.0);
-        let (a, b) = (a.expect("heard") + FAN.radius, b.expect("heard") + FAN.radius);
+        let (a, b) = (a.expect("an echo") + FAN.radius, b.expect("an echo") + FAN.radius);
         assert!(a <= b && b > a * math::cos(FAN.sector));
         assert!((b - a / math::cos(FAN.sector)).abs() < 1e-12);
     }

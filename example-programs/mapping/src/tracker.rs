@@ -135,7 +135,7 @@ mod tests {
         outlines.iter().flat_map(|outline| outline.windows(2).flat_map(along)).collect()
     }
 
-    fn heard(room: &[Point], robot: &Pose) -> Vec<Option<f64>> {
+    fn distances(room: &[Point], robot: &Pose) -> Vec<Option<f64>> {
         let of_sonar = |index: i32| {
             let heading = robot.heading + f64::from(index) * FAN.sector;
             let position = robot.position + crate::pose::direction(heading) * FAN.radius;
@@ -166,7 +166,7 @@ mod tests {
             for turn in [0.0, 0.5 * FAN.sector, PI] {
                 (truth, odometry) =
                     (truth.then(&Pose::new(0.0, 0.0, turn)), odometry.then(&Pose::new(0.0, 0.0, 1.03 * turn)));
-                let scan = Scan { robot: odometry, distances: heard(&room, &truth) };
+                let scan = Scan { robot: odometry, distances: distances(&room, &truth) };
                 let corrected = tracker.scan(&scan).robot;
                 for (worst, pose) in worst.iter_mut().zip([&corrected, &odometry]) {
                     let (distance, turned) = off(pose, &truth);

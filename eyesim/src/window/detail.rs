@@ -22,7 +22,7 @@ use super::{planar, png_url};
 /// Minimum time between two pictures of one camera.
 const CAMERA_PERIOD: Duration = Duration::from_millis(100);
 
-/// Creates details, and remembers what pages have already received.
+/// Creates details, and stores what pages have already received.
 #[derive(Default)]
 pub struct Details {
     /// Hash of the last picture of each robot's display.

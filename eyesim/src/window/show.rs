@@ -23,7 +23,7 @@ use super::layer::ShownLayers;
 use super::scene::{ObjectInput, RobotInput, SceneInput};
 use super::snapshot;
 
-/// Shows a run to its pages, and remembers what they have already received.
+/// Shows a run to its pages, and stores what they have already received.
 pub struct Show {
     window: Arc<Window>,
     run: u32,

@@ -67,7 +67,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
         Err(reason) => return robot.refuse_call(call, FAILURE, |_| reason),
     };
     if !is_known(robot, world, to) {
-        let text = format!("`RADIOSend` to {to}: no other robot has this address, nobody hears the message");
+        let text = format!("`RADIOSend` to {to}: no other robot has this address, no robot receives the message");
         robot.hint_once(Mistake::UnknownAddress, &text);
     }
     let to = if to == BROADCAST as u32 { Address::All } else { Address::One(to) };

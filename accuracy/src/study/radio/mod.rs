@@ -184,7 +184,7 @@ mod tests {
                 );
                 assert!(
                     half_width < 0.15 * expected.max(0.1),
-                    "{name} at {x}: +- {half_width} of {expected} says nothing"
+                    "{name} at {x}: +- {half_width} of {expected} is too wide for a test"
                 );
                 count += 1;
             }

@@ -202,7 +202,7 @@ fn view_picture(finished_run: &FinishedRun, camera: &ShotCamera, args: &ShotArgs
         }
         Some((at, Ordering::Greater)) => {
             say(format_args!(
-                "--at {:.3}: a slot is longer than what the world remembers, the picture is of {time_s:.3} s",
+                "--at {:.3}: a slot is longer than the stored motion of the world, the picture is of {time_s:.3} s",
                 at.seconds()
             ));
         }
