@@ -185,11 +185,7 @@ impl ProgramImage {
     /// than the ones of the compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as
     /// destructors of thread-locals are pending.
     pub fn can_unmap(&self) -> bool {
-        let is_rust = self.parts.description.is_some_and(|description| description.language == language::RUST);
-        // Rust's standard library imports these for executables only, or to look up newer functions.
-        let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
-        let keeps = |name: &String| RETAINING_FUNCTIONS.contains(&name.as_str()) && !is_unused(name);
-        self.parts.destructors <= STANDARD_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
+        self.parts.can_unmap
     }
 
     /// Address ranges of the variables, relative to the base, if robots on one worker can share a copy. This requires
@@ -376,10 +372,10 @@ struct ImageParts {
     read_only: Vec<ReadOnlySegment>,
     description: Option<Description>,
     undefined: Vec<String>,
-    /// Number of functions that the dynamic linker calls when the library is unloaded.
-    destructors: usize,
     /// While the dynamic linker loads the library, it calls functions of the library that select functions (IFUNC).
     has_resolvers: bool,
+    /// See [`ProgramImage::can_unmap`].
+    can_unmap: bool,
     /// See [`ProgramImage::why_thread_bound`].
     thread_bound: Option<String>,
     /// Address ranges of the variables, relative to the base.
@@ -463,7 +459,8 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         .iter()
         .filter_map(|offset| string_at(&file, string_table.saturating_add(*offset)))
         .collect();
-    let thread_bound = match description.map(|description| description.language) {
+    let language = description.map(|description| description.language);
+    let thread_bound = match language {
         Some(language::C) if has_thread_locals => Some("has thread-local variables".to_owned()),
         Some(language::C) => why_thread_bound(&libraries, &undefined),
         _ => Some("is not in C alone".to_owned()),
@@ -474,8 +471,8 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
         mappings: mappings_of(&segments) + usize::from(has_relro),
         read_only: if has_text_relocations { Vec::new() } else { read_only_segments(&segments) },
         description,
+        can_unmap: destructors <= STANDARD_DESTRUCTORS && !undefined.iter().any(|name| is_retaining(name, language)),
         undefined,
-        destructors,
         has_resolvers,
         thread_bound,
         variables: variables_of(&file),
@@ -517,6 +514,15 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
             is_code: segment.flags & elf::PF_X != 0,
         })
         .collect()
+}
+
+/// Returns true if a program in `language` that imports this function may have started a thread, or registered a
+/// function or memory with the C library.
+fn is_retaining(function: &str, language: Option<u32>) -> bool {
+    // Rust's standard library imports these for executables only, or to look up newer functions.
+    let is_unused =
+        language == Some(language::RUST) && matches!(function, "sigaction" | "pthread_key_create" | "dlsym");
+    RETAINING_FUNCTIONS.contains(&function) && !is_unused
 }
 
 /// See [`ProgramImage::why_thread_bound`]: the reason from the libraries on which a C program depends and the functions
