@@ -362,16 +362,24 @@ impl Worker {
     /// for a short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it
     /// waits in the kernel.
     fn wait(&self) {
-        /// Number of spins before a wait in the kernel, some tens of microseconds.
-        const SPINS: usize = 1000;
+        /// Time of a spinning worker before it waits in the kernel: more than a slot of a few robots takes, and more than
+        /// the kernel needs to wake a thread. Our choice. It is measured by the clock, since the length of a spin differs
+        /// between processors by a factor of ten.
+        const SPIN_TIME: Duration = Duration::from_micros(100);
+        /// Number of spins between two readings of the clock.
+        const SPINS: usize = 64;
         let must_return = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
-        let (mut spins, mut seen) = (0, 0);
-        while spins < SPINS {
-            if must_return() {
-                return;
+        let (mut since, mut seen) = (Instant::now(), 0);
+        while since.elapsed() < SPIN_TIME {
+            for _ in 0..SPINS {
+                if must_return() {
+                    return;
+                }
+                if self.shared_loop.help(&mut seen) {
+                    since = Instant::now();
+                }
+                std::hint::spin_loop();
             }
-            spins = if self.shared_loop.help(&mut seen) { 0 } else { spins + 1 };
-            std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
         if !must_return() && !self.shared_loop.has_job(seen) {
