@@ -77,6 +77,7 @@ class _Channel:
             raise RuntimeError("the simulator speaks another protocol: copy its eye.py anew")
         self.libc = _ctypes.CDLL(None, use_errno=True)
         self.futex = _SYS_FUTEX[_platform.machine()]
+        self.is_ordered, self.has_woken = _platform.machine() == "x86_64", True
         self.turn = _ctypes.c_uint32.from_buffer(self.memory, 8)
         _struct.pack_into("<I", self.memory, 20, self.libc.syscall({202: 186, 98: 178, 240: 224}[self.futex]))
 
@@ -87,9 +88,15 @@ class _Channel:
         memory[_BODY : _BODY + len(body)] = body
         _struct.pack_into("<II", memory, 12, kind, len(body))
         self.turn.value = 1
-        self.libc.syscall(self.futex, _ctypes.byref(self.turn), 1, 1)
+        self.has_woken = self.libc.syscall(self.futex, _ctypes.byref(self.turn), 1, 1) > 0
 
     def receive(self):
+        # A simulator that is not asleep answers most calls soon. Only on this processor, a thread that sees the turn
+        # without a call of the kernel also sees the message.
+        if not self.has_woken and self.is_ordered:
+            end = _real_time_ns() + 10_000
+            while self.turn.value == 1 and _real_time_ns() < end:
+                pass
         while self.turn.value == 1:
             self.libc.syscall(self.futex, _ctypes.byref(self.turn), 0, 1, None)
         kind, length = _struct.unpack_from("<II", self.memory, 12)

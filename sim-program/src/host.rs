@@ -5,10 +5,12 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io;
+use std::num::NonZeroUsize;
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
+use std::thread;
 
 /// Description of a host other than the binary `eyesim`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -37,6 +39,13 @@ pub fn set(host: Host) {
 /// The host, if it is not the binary `eyesim`.
 pub fn current() -> Option<&'static Host> {
     HOST.get()
+}
+
+/// Number of processors that this process may use; 1 if it is unknown.
+pub fn processors() -> usize {
+    // The standard library reads the files of the control groups in each call.
+    static PROCESSORS: LazyLock<usize> = LazyLock::new(|| thread::available_parallelism().map_or(1, NonZeroUsize::get));
+    *PROCESSORS
 }
 
 /// Words that start the command `eyesim`, before its arguments.

@@ -196,7 +196,7 @@ fn sandbox() -> Finding {
 fn limits() -> Vec<Finding> {
     let number = |path: &str| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let at_least = |value: Option<u64>, min: u64| value.filter(|value| *value >= min).map(|value| value.to_string());
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = host::processors();
     let locale = ["LC_ALL", "LC_CTYPE", "LANG"]
         .iter()
         .find_map(|name| std::env::var(name).ok().filter(|locale| !locale.is_empty()));

@@ -19,6 +19,7 @@ use serde::Serialize;
 use sim_format::suite::is_suite;
 use sim_host::executive::interrupt;
 use sim_host::files::{read_regular, slashed};
+use sim_host::host;
 use sim_host::launch::settings::ProgramOption;
 use sim_host::program::sandbox::Sandbox;
 use sim_host::program::{Builder, Cache, Kits, Tools};
@@ -239,7 +240,7 @@ pub(super) fn builder(is_quiet: bool, sandbox: Option<Sandbox>) -> anyhow::Resul
 
 /// Number of cases or submissions that run at the same time: `jobs`, or one for each processor.
 pub(super) fn job_count(jobs: Option<NonZeroUsize>) -> usize {
-    jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get)
+    jobs.map_or_else(host::processors, NonZeroUsize::get)
 }
 
 /// The suites among `paths`, and those in the folders among `paths`.

@@ -2,7 +2,6 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::sync::LazyLock;
 
 use sim_core::spec::{ContactKind, Dialect};
 use sim_core::time::Time;
@@ -11,6 +10,7 @@ use sim_format::{Overrides, Setting};
 use super::settings::ProgramOption;
 use crate::executive::load::DebugTarget;
 use crate::executive::program::Exec;
+use crate::host;
 use crate::program::Generation;
 use crate::program::embedded::EmbeddedProgram;
 use crate::program::sandbox::Sandbox;
@@ -95,10 +95,7 @@ pub struct Options {
 impl Options {
     /// Number of workers.
     pub fn worker_count(&self) -> usize {
-        // The number is cached, because the standard library reads the files of the control groups in each call.
-        static PROCESSORS: LazyLock<usize> =
-            LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get));
-        self.workers.map_or_else(|| *PROCESSORS, NonZeroUsize::get)
+        self.workers.map_or_else(host::processors, NonZeroUsize::get)
     }
 
     /// Values that override the scene's when its files are read.

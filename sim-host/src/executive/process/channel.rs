@@ -5,12 +5,13 @@
 //! of the other: it copies and checks them.
 
 use std::fs::File;
+use std::hint;
 use std::io;
 use std::os::fd::{AsRawFd as _, FromRawFd as _};
 use std::path::PathBuf;
 use std::ptr;
-use std::sync::atomic::{AtomicU32, Ordering, fence};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
+use std::time::{Duration, Instant};
 
 use super::debugger;
 
@@ -124,6 +125,8 @@ pub enum CodeLocation {
 /// One mapped channel.
 pub struct Channel {
     memory: *mut u8,
+    /// The other side was asleep when this side last passed it the turn.
+    has_woken: AtomicBool,
 }
 
 // SAFETY: the header is atomic, and the body is touched only by raw copies of the side that has the turn.
@@ -230,7 +233,10 @@ impl Channels {
                 offset,
             )
         };
-        if memory == libc::MAP_FAILED { Err(io::Error::last_os_error()) } else { Ok(Channel { memory: memory.cast() }) }
+        if memory == libc::MAP_FAILED {
+            return Err(io::Error::last_os_error());
+        }
+        Ok(Channel { memory: memory.cast(), has_woken: AtomicBool::new(false) })
     }
 
     /// A duplicate of the file, to be passed to a child.
@@ -303,7 +309,28 @@ impl Channel {
     pub fn give_turn(&self, next: Turn) {
         let turn = &self.header().turn;
         turn.store(next as u32, Ordering::Release);
-        wake(turn);
+        self.has_woken.store(wake(turn), Ordering::Relaxed);
+    }
+
+    /// Returns true if the other side was asleep when this side last passed it the turn.
+    pub fn has_woken(&self) -> bool {
+        self.has_woken.load(Ordering::Relaxed)
+    }
+
+    /// Spins until `side` has the turn, or for `limit`. Returns true if `side` has the turn. Async-signal-safe.
+    pub fn spin_for(&self, side: Turn, limit: Duration) -> bool {
+        /// Number of spins between two readings of the clock.
+        const SPINS: usize = 32;
+        let start = Instant::now();
+        while start.elapsed() < limit {
+            for _ in 0..SPINS {
+                if self.turn() == side {
+                    return true;
+                }
+                hint::spin_loop();
+            }
+        }
+        self.turn() == side
     }
 
     /// Copies the message out of the channel; the caller must have the turn. `None` if the message's length is
@@ -437,10 +464,10 @@ fn wait(word: &AtomicU32, value: u32, timeout: Option<Duration>) {
     unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAIT, value, timeout) };
 }
 
-/// Wakes one thread that sleeps on `word`; async-signal-safe.
-fn wake(word: &AtomicU32) {
+/// Wakes one thread that sleeps on `word`; returns false if there is none. Async-signal-safe.
+fn wake(word: &AtomicU32) -> bool {
     // SAFETY: the word is mapped and aligned.
-    unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAKE, 1) };
+    unsafe { libc::syscall(libc::SYS_futex, word.as_ptr(), libc::FUTEX_WAKE, 1) > 0 }
 }
 
 #[cfg(test)]

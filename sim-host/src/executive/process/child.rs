@@ -18,6 +18,7 @@ use super::channel::{Channel, Channels, CodeLocation, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
+use super::spinning::Spinning;
 use crate::executive::confine::protect_host;
 use crate::executive::failure::{Failure, MAX_SEARCH_WORDS};
 use crate::executive::signal::{Crash, OVERDUE_SIGNAL, THREAD_ENDED};
@@ -59,6 +60,7 @@ pub struct Child {
     is_debugged: bool,
     /// `main` has returned.
     has_exited: AtomicBool,
+    spinning: Spinning,
     /// The first failure of the child, after which it is lost.
     lost: OnceLock<Failure>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
@@ -159,6 +161,7 @@ impl Child {
             is_ending: AtomicBool::new(false),
             was_stopped: AtomicBool::new(false),
             has_exited: AtomicBool::new(false),
+            spinning: Spinning::of_child(),
             lost: OnceLock::new(),
             last_call: AtomicU16::new(u16::MAX),
             callbacks: Mutex::default(),
@@ -241,6 +244,7 @@ impl Child {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
+        self.spinning.spin(channel);
         let mut missing_before = None;
         loop {
             if let Some(excess) = self.scratch.as_ref().and_then(|scratch| scratch.excess(self.pid)) {

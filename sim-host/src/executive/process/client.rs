@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicUsize, Ordering};
+use std::time::Duration;
 use std::{io, thread};
 
 use robios_sys::support::stream;
@@ -21,6 +22,9 @@ use crate::executive::guard::below_guard;
 use crate::executive::signal::{self, Crash, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
+
+/// Time in which a host that is not asleep answers most calls. Our choice.
+const ANSWER_TIME: Duration = Duration::from_micros(5);
 
 /// A thread's end of its channel to the host.
 struct Connection {
@@ -216,6 +220,10 @@ impl Connection {
         loop {
             if !self.send(kind, &[body]) {
                 self.break_off("a call whose arguments are longer than a message can be");
+            }
+            // A host that is not asleep answers most calls soon.
+            if !self.channel.has_woken() {
+                self.channel.spin_for(Turn::Child, ANSWER_TIME);
             }
             while !self.channel.wait_for(Turn::Child, None) {}
             let Some(message) = self.channel.message() else { self.break_off("a message of an impossible length") };

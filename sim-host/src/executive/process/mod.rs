@@ -12,6 +12,7 @@ pub mod client;
 pub mod debugger;
 mod output;
 pub mod serve;
+mod spinning;
 
 pub use channel::CodeLocation;
 pub use child::{CHILD_NAME, Child};
