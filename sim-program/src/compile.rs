@@ -352,10 +352,10 @@ impl<'a> Compilation<'a> {
         // Calls of undeclared functions may pass arguments of wrong types, so the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let needs_robios_header = undeclared.iter().any(|name| self.generation.has_function(name));
-        let needs_truth_header = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
+        let needs_old_names = undeclared.iter().any(|name| c::OLD_NAMES.contains(&name.as_str()));
         let headers = [
             Some(c::C_LIBRARY_HEADER),
-            needs_truth_header.then_some(c::TRUTH_HEADER),
+            needs_old_names.then_some(c::OLD_NAMES_HEADER),
             needs_robios_header.then_some("eyebot.h"),
         ];
         let headers: Vec<&str> = headers.into_iter().flatten().collect();

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use object::{Object as _, ObjectSymbol as _};
+use robios_sys::c;
 
 use super::generation::Generation;
 use super::language::Language;
@@ -244,10 +245,11 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Undeclared names of constants and types, in capitals, according to the compiler, each once (gcc and clang,
+/// Undeclared names in capitals, of constants and types, and old names of types according to the compiler, each once (gcc and clang,
 /// `LC_ALL=C`).
 pub fn undeclared_constants(output: &str) -> Vec<String> {
-    let is_constant = |name: &&str| name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
+    let is_capital = |b: u8| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_';
+    let is_constant = |name: &&str| name.bytes().all(is_capital) || c::OLD_NAMES.contains(name);
     let mut names: Vec<String> = Vec::new();
     let is_unknown = |line: &&str| {
         let phrases = ["declared", "unknown type name", "does not name a type"];
@@ -555,6 +557,7 @@ mod tests {
                    a.cpp:3:3: error: 'M_PI' was not declared in this scope";
         assert_eq!(undeclared_constants(gcc), ["M_PI"]);
         assert_eq!(undeclared_constants("a.c:1:3: error: use of undeclared identifier 'TRUE'"), ["TRUE"]);
+        assert_eq!(undeclared_constants("a.c:1:3: error: unknown type name 'keycode_t'"), ["keycode_t"]);
     }
 
     #[test]

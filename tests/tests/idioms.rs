@@ -45,6 +45,23 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
         &["1 0"],
     ),
     (
+        "old-names6.c",
+        "#include \"eyebot.h\"\nTIMER tick;\nint main()\n{ VWHandle vw = VWInit(VW_DRIVE, 1); LCDPutChar(NL); OSWait(CAMWAIT);\n  \
+         printf(\"%d %d %d\\n\", SERVO16 - SERVO13, SERVOInit(SERVO13), tick); return vw == 0; }\n",
+        &["-3 0 0"],
+    ),
+    (
+        "old-names7.cpp",
+        "#include \"eyebot.h\"\n#include <cstdio>\nTimerHandle timer;\nint main()\n{ keycode_t key = KEYRead(); VWStraight(10, 100);\n  \
+         printf(\"%d %d %d %d\\n\", SERInit(1, 9600, NONE), RTSCTS, (int)key, (int)timer); }\n",
+        &["0 1 0 0"],
+    ),
+    (
+        "own-none.c",
+        "#include \"eyebot.h\"\nenum { FORWARD = 3, NONE, NL };\nint main() { VWStraight(10, 100); printf(\"%d %d\\n\", NONE, NL); return 0; }\n",
+        &["4 5"],
+    ),
+    (
         "single-keys.c",
         "#include <stdio.h>\n#include <termios.h>\n#include <unistd.h>\n#include \"eyebot.h\"\nint getch(void)\n{\n    \
          struct termios old, raw; int c;\n    if (tcgetattr(STDIN_FILENO, &old)) return -2;\n    raw = old; raw.c_lflag &= ~(ICANON | ECHO);\n    \

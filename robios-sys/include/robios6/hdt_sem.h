@@ -44,6 +44,10 @@
 #define SERVO10           (-410) /* Servo 10. */
 #define SERVO11           (-411) /* Servo 11. */
 #define SERVO12           (-412) /* Servo 12. */
+#define SERVO13           (-413) /* Servo 13. */
+#define SERVO14           (-414) /* Servo 14. */
+#define SERVO15           (-415) /* Servo 15. */
+#define SERVO16           (-416) /* Servo 16. */
 #define SERVO_STEER       (-420) /* The servo that steers an Ackermann robot. */
 #define SERVO_CAMERA      (-421) /* The servo that turns the camera. */
 #define BUMP_RIGHT        (-500) /* Bumper to the right. */

@@ -251,6 +251,14 @@ pub mod semantics {
         SERVO11: i32 = -411;
         /// Servo 12.
         SERVO12: i32 = -412;
+        /// Servo 13.
+        SERVO13: i32 = -413;
+        /// Servo 14.
+        SERVO14: i32 = -414;
+        /// Servo 15.
+        SERVO15: i32 = -415;
+        /// Servo 16.
+        SERVO16: i32 = -416;
         /// The servo that steers an Ackermann robot.
         SERVO_STEER: i32 = -420;
         /// The servo that turns the camera.
