@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use object::{Object as _, ObjectSymbol as _};
 use robios_sys::c;
 
+use super::beside::files_beside;
 use super::generation::Generation;
 use super::language::Language;
 use super::plain::in_plain_words;
@@ -157,6 +158,7 @@ pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Genera
     let linkage = linkage_hints(&symbols);
     let mut undefined = undefined_symbols(output);
     undefined.retain(|symbol| !linkage.contains_key(&symbol.name));
+    let beside = beside_hints(&mut undefined, objects, generation);
     let defined: Vec<&str> =
         symbols.iter().flat_map(|file| &file.defined).map(|name| function_of_mangled(name).unwrap_or(name)).collect();
     let mut hints = undefined_hint(&undefined, &defined, generation);
@@ -167,6 +169,7 @@ pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Genera
         push_line(&mut hints, &format!("`curses.h`: {}", ABSENT_HEADERS[0].1));
     }
     linkage.values().for_each(|hint| push_line(&mut hints, hint));
+    hints.insert_str(0, &beside);
     if DOUBLE_MAIN.iter().any(|phrase| output.contains(phrase)) {
         let example = objects.first().and_then(|(source, _)| source.file_name()).unwrap_or_default();
         push_line(
@@ -194,6 +197,61 @@ pub fn is_explained(output: &str) -> bool {
         "undefined references to",
     ];
     output.lines().filter(|line| !line.trim().is_empty()).all(|line| KNOWN.iter().any(|known| line.contains(known)))
+}
+
+/// Hints on `undefined` functions and variables that files beside the program define, one line per file; removes these from `undefined`.
+fn beside_hints(undefined: &mut Vec<Undefined>, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
+    let sources: Vec<&Path> = objects.iter().map(|(source, _)| *source).collect();
+    let names: Vec<String> = sources
+        .iter()
+        .filter_map(|source| source.file_name())
+        .map(|name| name.to_string_lossy().into_owned())
+        .collect();
+    let mut files = files_beside(&sources);
+    // A file without `main` can be added to the program.
+    files.sort_by_key(|file| file.is_program);
+    let (mut hints, mut added) = (String::new(), names.clone());
+    for file in &files {
+        let is_here = |symbol: &Undefined| {
+            symbol.name != "main" && file.defines(&symbol.name) && !generation.has_function(&symbol.name)
+        };
+        let (here, elsewhere): (Vec<Undefined>, Vec<Undefined>) =
+            std::mem::take(undefined).into_iter().partition(is_here);
+        *undefined = elsewhere;
+        if here.is_empty() {
+            continue;
+        }
+        let (defined, is_are) = (quoted_names(&here), if here.len() == 1 { "is" } else { "are" });
+        let (name, program) = (&file.name, names.join(","));
+        if file.is_program {
+            push_line(
+                &mut hints,
+                &format!(
+                    "{defined} {is_are} defined in `{name}`, which is a program of its own: copy from there what `{program}` uses"
+                ),
+            );
+        } else {
+            added.push(name.clone());
+            push_line(
+                &mut hints,
+                &format!(
+                    "{defined} {is_are} defined in `{name}`, which is not a part of the program: write `{}` in place of `{program}`",
+                    added.join(",")
+                ),
+            );
+        }
+    }
+    hints
+}
+
+/// The names of the symbols in back-quotes, the first five of them.
+fn quoted_names(symbols: &[Undefined]) -> String {
+    const MAX_NAMES: usize = 5;
+    let names: Vec<&String> = symbols.iter().take(MAX_NAMES).map(|symbol| &symbol.name).collect();
+    match symbols.len().saturating_sub(MAX_NAMES) {
+        0 => quoted(&names),
+        more => format!("{} and {more} more", quoted(&names)),
+    }
 }
 
 /// Hint on a program without `main`.
@@ -539,6 +597,35 @@ mod tests {
         let source = folder.path().join("a.c");
         fs::write(&source, " \n").expect("a source");
         assert_eq!(missing_main_hint(&[], &[(&source, PathBuf::new())]), "`a.c` is empty");
+    }
+
+    #[test]
+    fn files_beside_the_program_that_define_its_functions_are_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::write(&path, text).expect("a source");
+            path
+        };
+        let main = source("main.c", "int main(void) { return plan() + draw() + count + turn(); }\n");
+        source("map.c", "int count = 2;\nint plan(void)\n{ return 1; }\nint draw(void) { return 1; }\n");
+        source(
+            "other.c",
+            "int turn(void) { return 3; }\nint draw(void) { return 4; }\nint main(void) { return turn(); }\n",
+        );
+        let output = "ld: main.c:1: undefined reference to `plan'\nmain.c:1: undefined reference to `draw'\n\
+                      main.c:1: undefined reference to `count'\nmain.c:1: undefined reference to `turn'\n\
+                      main.c:1: undefined reference to `nothing'\n";
+        let hints = link_hints(output, &[(&main, PathBuf::new())], Generation::Robios7);
+        let lines: Vec<&str> = hints.lines().collect();
+        assert_eq!(
+            lines[..2],
+            [
+                "`plan`, `draw`, `count` are defined in `map.c`, which is not a part of the program: write `main.c,map.c` in place of `main.c`",
+                "`turn` is defined in `other.c`, which is a program of its own: copy from there what `main.c` uses",
+            ]
+        );
+        assert!(lines.len() == 3 && lines[2].contains("`nothing` is used and nowhere defined"), "{hints}");
     }
 
     #[test]

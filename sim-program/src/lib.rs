@@ -6,6 +6,7 @@
 //! executable that contains these crates.
 
 pub mod access;
+mod beside;
 mod brace;
 pub mod build;
 pub mod cache;
