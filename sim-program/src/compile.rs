@@ -15,6 +15,7 @@ use super::compiler::Compiler;
 use super::constructors::defer_constructors;
 use super::generation::{Generation, is_robios_header};
 use super::hint;
+use super::inline::{InlineRule, inline_functions};
 use super::language::Language;
 use super::plain::{in_plain_words, without_harmless_warnings};
 use super::sandbox::scratch::Quota;
@@ -237,7 +238,7 @@ impl<'a> Compilation<'a> {
         for hidden in [hidden, &[]] {
             for is_lean in [false, may_be_lean] {
                 for is_old in [false, is_cpp] {
-                    let variant = CompileVariant { is_old, is_lean, hidden };
+                    let variant = CompileVariant { is_old, is_lean, hidden, ..CompileVariant::default() };
                     if !variants.contains(&variant) {
                         variants.push(variant);
                     }
@@ -284,7 +285,30 @@ impl<'a> Compilation<'a> {
         folder.unwrap_or(Path::new("/"))
     }
 
+    /// Compiles and links one variant. If `inline` functions do not link by the rules of C99, older rules are tried.
     fn try_run(&self, variant: &CompileVariant<'_>) -> Result<Compiled, Failure> {
+        let result = self.try_inline_rule(variant);
+        let Err(Failure::Unlinked { output }) = &result else { return result };
+        let inline = inline_functions(self.sources);
+        let mut names = hint::unlinked_names(output);
+        for inline_rule in [InlineRule::Gnu89, InlineRule::Gnu89Merged] {
+            let is_cause = match inline_rule {
+                InlineRule::Gnu89Merged => !names.is_empty() && names.iter().all(|name| inline.contains(name)),
+                _ => names.iter().any(|name| inline.contains(name)),
+            };
+            if !is_cause {
+                break;
+            }
+            match self.try_inline_rule(&CompileVariant { inline_rule, ..*variant }) {
+                Ok(compiled) => return Ok(compiled),
+                Err(Failure::Unlinked { output }) => names = hint::unlinked_names(&output),
+                Err(_) => break,
+            }
+        }
+        result
+    }
+
+    fn try_inline_rule(&self, variant: &CompileVariant<'_>) -> Result<Compiled, Failure> {
         let mut compiled = Compiled {
             library: self.folder.join("program.so"),
             output: variant.remark(),
@@ -313,7 +337,7 @@ impl<'a> Compilation<'a> {
         }
         let name = self.kit.shim.first().map_or("", |(name, _)| name);
         objects.push(self.compile_shim(Language::C, name, &flags, &mut compiled)?);
-        self.link(language, &objects, &mut compiled)?;
+        self.link(language, &objects, variant.inline_rule, &mut compiled)?;
         defer_constructors(&compiled.library)?;
         compiled.read_files.sort();
         compiled.read_files.dedup();
@@ -409,7 +433,8 @@ impl<'a> Compilation<'a> {
             command.arg(format!("-ffile-prefix-map={}={}", folder.display(), self.source_folder().display()));
             command.current_dir(folder);
         }
-        command.args(variant.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
+        let inline_flag = variant.inline_rule.compile_flag().filter(|_| compiler.language() == Language::C);
+        command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
         for header in headers {
             command.arg("-include").arg(self.kit_folder.join("include").join(header));
         }
@@ -454,7 +479,13 @@ impl<'a> Compilation<'a> {
         Ok(self.cache.insert(key, build, &object, "")?.library)
     }
 
-    fn link(&self, language: Language, objects: &[PathBuf], compiled: &mut Compiled) -> Result<(), Failure> {
+    fn link(
+        &self,
+        language: Language,
+        objects: &[PathBuf],
+        inline_rule: InlineRule,
+        compiled: &mut Compiled,
+    ) -> Result<(), Failure> {
         let compiler = self.compiler(language)?;
         let mut command = compiler.command();
         command.current_dir(self.source_folder()).args(compiler.link_flags());
@@ -462,7 +493,7 @@ impl<'a> Compilation<'a> {
             let exports = self.kit_folder.join("shim").join(c::CPP_EXPORTS);
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
-        command.args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
+        command.args(inline_rule.link_flag()).args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
         let output = self
             .execute(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Unlinked { output })?;
@@ -516,6 +547,8 @@ struct CompileVariant<'m> {
     is_old: bool,
     /// Omits the declarations that EyeSim's `types.h` adds to its own names.
     is_lean: bool,
+    /// The meaning of `inline` in C.
+    inline_rule: InlineRule,
     /// Headers in the folder of the first source that are hidden from the compiler.
     hidden: &'m [PathBuf],
 }

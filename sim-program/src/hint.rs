@@ -406,8 +406,18 @@ fn nearest<'a>(functions: impl Iterator<Item = &'a str>, name: &str) -> Option<&
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
-/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters.
-/// Only GNU ld reports their places.
+/// The names that a linker reports as undefined or as defined more than once.
+pub fn unlinked_names(output: &str) -> Vec<String> {
+    let phrases = ["multiple definition of ", "duplicate symbol: "];
+    let duplicates = output.lines().filter_map(|line| {
+        let (_, rest) = phrases.iter().find_map(|phrase| line.split_once(phrase))?;
+        Some(rest.trim_start_matches('`').split(['\'', ';', ' ']).next()?.to_owned())
+    });
+    duplicates.chain(undefined_symbols(output).into_iter().map(|symbol| symbol.name)).collect()
+}
+
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. Only
+/// GNU ld reports their places.
 fn undefined_symbols(output: &str) -> Vec<Undefined> {
     let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {
@@ -579,6 +589,9 @@ mod tests {
         let cpp = "/p/a.cpp:3:(.text+0x1f): undefined reference to `Plan(int, char*)'";
         assert_eq!(undefined_symbols(cpp), [undefined("Plan", Some("a.cpp:3"))]);
         assert!(undefined_symbols("maze.c:3: multiple definition of `main'").is_empty());
+        let twice = "ld: 1.o: in function `turn':\n/p/a.c:2: multiple definition of `turn'; 0.o:/p/a.c:2: first defined here\n\
+                     ld.lld: error: duplicate symbol: draw\n/p/a.c:3: undefined reference to `Plan'";
+        assert_eq!(unlinked_names(twice), ["turn", "draw", "Plan"]);
         assert!(is_explained(gnu) && is_explained(&format!("{gnu}\ncollect2: error: ld returned 1 exit status\n")));
         assert!(!is_explained(&format!("{gnu}\n/usr/bin/ld: cannot find -lmap")));
     }

@@ -26,6 +26,7 @@ pub mod generation;
 mod hint;
 pub mod host;
 pub mod image;
+mod inline;
 pub mod kind;
 pub mod language;
 pub mod load;

@@ -247,6 +247,33 @@ fn several_files_are_linked_to_one_program() {
 }
 
 #[test]
+fn inline_functions_of_old_c_are_linked() {
+    let main = "int two(void);\ninline int one(int n) { return n < 2 ? 20 : one(n - 1) + 1; }\nint (*function)(int) = one;\n\
+                int main(void) { return function(2) + two(); }\n";
+    let part = "__inline__ int two(void) { return 21; }\n";
+    let Some(test_folder) = TestFolder::with(&[("main.c", main), ("part.c", part)]) else { return };
+    assert_eq!(run(&test_folder.loaded(&["main.c", "part.c"])), 42);
+    // A header that both files include.
+    let main = "#include \"both.h\"\nint two(void);\nint (*function)(int) = one;\nint main(void) { return function(20) + two(); }\n";
+    let part = "#include \"both.h\"\nstatic int (*function)(int) = one;\nint two(void) { return function(20); }\n";
+    for (storage, real) in [("", ""), ("extern ", "int one(int n) { return n + 1; }\n")] {
+        let header = format!("{storage}inline int one(int n) {{ return n + 1; }}\n");
+        let Some(test_folder) =
+            TestFolder::with(&[("main.c", main), ("part.c", part), ("both.h", &header), ("real.c", real)])
+        else {
+            return;
+        };
+        assert_eq!(run(&test_folder.loaded(&["main.c", "part.c", "real.c"])), 42, "{header}");
+    }
+    let double = [
+        ("main.c", "inline int one(void) { return 1; }\nint main(void) { return one(); }\n"),
+        ("b.c", "int main(void) {}\n"),
+    ];
+    let Some(test_folder) = TestFolder::with(&double) else { return };
+    assert!(test_folder.build(&["main.c", "b.c"]).is_err());
+}
+
+#[test]
 fn compile_errors_are_shown_with_file_and_line() {
     let Some(test_folder) = TestFolder::with(&[("bad.c", "int main(void)\n{\n  return speed;\n}\n")]) else { return };
     let message = test_folder.build(&["bad.c"]).expect_err("an error").to_string();
