@@ -1843,10 +1843,23 @@ def _similar_name(error, trace):
     return alike[near[0]] if near else None
 
 
+def _line_of(trace):
+    """The line of source at which an exception was raised; empty if it is unknown."""
+    import linecache
+
+    while trace and trace.tb_next:
+        trace = trace.tb_next
+    return linecache.getline(trace.tb_frame.f_code.co_filename, trace.tb_lineno) if trace else ""
+
+
 def _advice(error, trace):
     """Suggested replacement; None if there is none."""
     if isinstance(error, RecursionError):
         return "the function calls itself for ever: it needs an `if` with a `return` before the call"
+    if isinstance(error, IndexError) and "argv[" in _line_of(trace):
+        count = len(_sys.argv) - 1
+        arguments = "no arguments" if count == 0 else "only 1 argument" if count == 1 else f"only {count} arguments"
+        return f"the program has {arguments}: `--args` gives it some, as in `--args VALUE`"
     if isinstance(error, IndexError) and "index out of range" in str(error):
         return "the last index is one less than the length, len(...) - 1"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):

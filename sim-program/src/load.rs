@@ -177,6 +177,11 @@ impl LoadedProgram {
         &self.prepared.name
     }
 
+    /// The number of its arguments, without `argv[0]`.
+    pub fn argument_count(&self) -> usize {
+        self.arguments.len().saturating_sub(1)
+    }
+
     /// The program that was copied.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared

@@ -43,6 +43,27 @@ fn a_null_write_is_reported_at_once_with_its_line() {
 }
 
 #[test]
+fn a_missing_argument_is_named_with_the_option_that_gives_it() {
+    let program = "#include \"eyebot.h\"\n#include <stdlib.h>\nint main(int argc, char **argv) {\n    int n = atoi(argv[1]) + \
+                   atoi(argv[2]);\n    OSWait(n);\n    return 0;\n}\n";
+    let (report, ..) = run(program, &["--exec", "fiber"]);
+    let words = "at broken.c:4; `argv[1]` is NULL, since the program has no arguments: `--args 2:VALUE` gives it one";
+    assert!(reason(&report).ends_with(words), "{}", reason(&report));
+    let (report, ..) = run(program, &["--exec", "process", "--args", "2:7"]);
+    let words = "`argv[2]` is NULL, since the program has only 1 argument: `--args 2:\"VALUE VALUE\"` gives it 2";
+    assert!(reason(&report).ends_with(words), "{}", reason(&report));
+    let scratch = Scratch::new();
+    scratch.write("b.cpp", "#include <string>\nint main(int argc, char **argv)\n{\n  std::string name = argv[1];\n  return name.size();\n}\n");
+    scratch.write("scene.sim", "S4 500 500 0 b.cpp\n");
+    let ran = scratch.eyesim(&["run", "scene.sim"]);
+    let said = ran.stdout + &ran.stderr;
+    assert!(
+        said.contains("at b.cpp:4; `argv[1]` is NULL, since the program has no arguments: `--args 1:VALUE`"),
+        "{said}"
+    );
+}
+
+#[test]
 fn an_endless_loop_is_stopped_with_its_line() {
     let (report, ran, trace) = run(
         "#include \"eyebot.h\"\nint main(void) {\n    OSWait(50);\n    while (1)\n        ;\n    return 0;\n}\n",

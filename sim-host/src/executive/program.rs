@@ -97,6 +97,15 @@ impl RobotProgram {
         }
     }
 
+    /// The number of arguments of the program's `main`, without `argv[0]`; `None` for code of the embedding process.
+    pub fn argument_count(&self) -> Option<usize> {
+        match self {
+            Self::InHost { program, .. } => Some(program.argument_count()),
+            Self::Process(program) => Some(program.argument_count()),
+            Self::Embedded(_) => None,
+        }
+    }
+
     /// The program's process, if it has its own.
     pub fn child(&self) -> Option<&Arc<Child>> {
         match self {

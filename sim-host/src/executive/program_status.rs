@@ -146,7 +146,11 @@ pub fn judge(
         }
         Some(Ending::Failed { reason }) => {
             let words = reason::explain(reason, |line| program.text_of(line));
-            status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
+            // `std::string(argv[1])`
+            let is_null = reason.contains("construction from null");
+            let line = reason::source_line(reason).filter(|_| is_null).and_then(|line| program.text_of(&line));
+            let missing = line.and_then(|line| missing_argument(&line, robot, program)).unwrap_or_default();
+            status(Outcome::Failed, Some(words.unwrap_or_else(|| format!("{reason}{missing}"))))
         }
         _ if matches!(run_end.end, EndReason::Stuck) && robot.tasks.are_all_waiting() => {
             status(Outcome::Waiting, Some(describe_waits(robot, program, run_end)))
@@ -302,6 +306,29 @@ fn null_pointer(failure: &Failure, program: &RobotProgram) -> Option<String> {
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
+/// Advice on the arguments of the program, if the `line` at which it ended uses one that it does not have: `argv[1]`.
+fn missing_argument(line: &str, robot: &Robot, program: &RobotProgram) -> Option<String> {
+    let count = program.argument_count()?;
+    let index = first_missing_argument(&code_only(line), count)?;
+    let arguments = match count {
+        0 => "no arguments".to_owned(),
+        1 => "only 1 argument".to_owned(),
+        count => format!("only {count} arguments"),
+    };
+    let words = ["VALUE"; 3][..index.min(3)].join(" ");
+    let (quote, number) = if index > 1 { ("\"", index.to_string()) } else { ("", "one".to_owned()) };
+    Some(format!(
+        "; `argv[{index}]` is NULL, since the program has {arguments}: `--args {}:{quote}{words}{quote}` gives it {number}",
+        robot.id.0
+    ))
+}
+
+/// The first index in `code` of an argument beyond the `count` arguments of a program.
+fn first_missing_argument(code: &str, count: usize) -> Option<usize> {
+    let indices = code.split("argv[").skip(1).filter_map(|rest| rest.split(']').next()?.trim().parse().ok());
+    indices.filter(|index| *index > count).min()
+}
+
 /// Question about an index out of range, if the line at which the program's own code failed indexes one array and uses
 /// no pointer.
 fn index_out_of_range(failure: &Failure, program: &RobotProgram) -> Option<String> {
@@ -353,6 +380,10 @@ fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &Ro
     } else if report.description.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
+        let line = code_of(failure, program, 0).filter(|_| is_null);
+        if let Some(missing) = line.and_then(|line| missing_argument(&line, robot, program)) {
+            return missing;
+        }
         let null = null_pointer(failure, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
         // A NULL file is used within the C library, so that no line of the program shows the pointer.
         let null_file =

@@ -25,6 +25,12 @@ pub fn explain(reason: &str, text_of: impl Fn(&SourceLine) -> Option<String>) ->
     Some(format!("{location}{explanation} ({message})"))
 }
 
+/// The line of the program at the end of `reason`: ` at a.cpp:6`.
+pub fn source_line(reason: &str) -> Option<SourceLine> {
+    let (file, line) = reason.rsplit_once(" at ")?.1.split_once(':')?;
+    Some(SourceLine { file: PathBuf::from(file), line: line.parse().ok()?, function: None })
+}
+
 /// Explanation of `message`; `text` returns the line of the program that caused it.
 fn explanation(message: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {
     let fixed = [

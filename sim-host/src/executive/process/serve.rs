@@ -69,6 +69,11 @@ impl RemoteProgram {
         }
     }
 
+    /// The number of the program's arguments, without `argv[0]`.
+    pub fn argument_count(&self) -> usize {
+        self.arguments.len().saturating_sub(1)
+    }
+
     /// The process.
     pub fn child(&self) -> &Arc<Child> {
         &self.child
