@@ -17,7 +17,7 @@ use super::generation::{Generation, is_robios_header};
 use super::hint;
 use super::inline::{InlineRule, inline_functions};
 use super::language::Language;
-use super::plain::{in_plain_words, without_harmless_warnings};
+use super::plain::{in_plain_words, missing_cpp_headers, without_harmless_warnings};
 use super::sandbox::scratch::Quota;
 use super::sandbox::{Grant, Role, Sandbox};
 
@@ -369,8 +369,14 @@ impl<'a> Compilation<'a> {
             Err(Failure::Refused { output, .. }) => hint::undeclared_constants(output),
             Err(_) => Vec::new(),
         };
+        let cpp_headers = match &first_result {
+            Err(Failure::Refused { output, .. }) if Language::of(source) == Some(Language::Cpp) => {
+                missing_cpp_headers(output)
+            }
+            _ => Vec::new(),
+        };
         let first_result = first_result.map(|output| (object, output));
-        if undeclared.is_empty() {
+        if undeclared.is_empty() && cpp_headers.is_empty() {
             return first_result;
         }
         // Calls of undeclared functions may pass arguments of wrong types, so the missing headers are included.
@@ -378,28 +384,29 @@ impl<'a> Compilation<'a> {
         let needs_robios_header = undeclared.iter().any(|name| self.generation.has_function(name));
         let needs_old_names = undeclared.iter().any(|name| c::OLD_NAMES.contains(&name.as_str()));
         let headers = [
-            Some(c::C_LIBRARY_HEADER),
+            (!undeclared.is_empty()).then_some(c::C_LIBRARY_HEADER),
             needs_old_names.then_some(c::OLD_NAMES_HEADER),
             needs_robios_header.then_some("eyebot.h"),
         ];
-        let headers: Vec<&str> = headers.into_iter().flatten().collect();
+        let path = |header| self.kit_folder.join("include").join(header);
+        let headers = headers.into_iter().flatten().map(path).chain(cpp_headers.iter().map(PathBuf::from));
+        let headers: Vec<PathBuf> = headers.collect();
         match self.compile_to(&with_headers, source, variant, &headers, compiled) {
             Ok(second_output) => {
                 let still_undeclared = hint::undeclared_functions(&second_output);
                 let declared: Vec<&String> =
                     undeclared.iter().filter(|name| !still_undeclared.contains(name)).collect();
-                if declared.is_empty() {
+                if declared.is_empty() && cpp_headers.is_empty() {
                     return first_result;
                 }
                 let name = source.file_name().unwrap_or_default().display();
                 let (robios_names, other_names): (Vec<&String>, Vec<&String>) =
                     declared.into_iter().partition(|name| self.generation.has_function(name));
-                let mut remark = String::new();
+                let missing = "it was added for this run: write it as the first line\n";
+                let cpp_remark = |header| format!("{name}: `#include <{header}>` is missing; {missing}");
+                let mut remark: String = cpp_headers.iter().map(cpp_remark).collect();
                 if !robios_names.is_empty() {
-                    remark += &format!(
-                        "{name}: {}; it was added for this run: write it as the first line\n",
-                        hint::MISSING_HEADER
-                    );
+                    remark += &format!("{name}: {}; {missing}", hint::MISSING_HEADER);
                 }
                 if !other_names.is_empty() {
                     let other_names = hint::quoted(&other_names);
@@ -414,14 +421,13 @@ impl<'a> Compilation<'a> {
         }
     }
 
-    /// Compiles a source to the file `object`, with these headers of the kit included first; returns the output of the
-    /// compiler.
+    /// Compiles a source to the file `object`, with these headers included first; returns the output of the compiler.
     fn compile_to(
         &self,
         object: &Path,
         source: &Path,
         variant: &CompileVariant<'_>,
-        headers: &[&str],
+        headers: &[PathBuf],
         compiled: &mut Compiled,
     ) -> Result<String, Failure> {
         let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
@@ -436,7 +442,7 @@ impl<'a> Compilation<'a> {
         let inline_flag = variant.inline_rule.compile_flag().filter(|_| compiler.language() == Language::C);
         command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
         for header in headers {
-            command.arg("-include").arg(self.kit_folder.join("include").join(header));
+            command.arg("-include").arg(header);
         }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
         // The compiler takes `MAIN.C` for C++.

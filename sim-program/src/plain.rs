@@ -192,8 +192,17 @@ impl Message<'_> {
             (if at_end { letters.next_back() } else { letters.next() }).is_some_and(|letter| letter.is_ascii_digit())
         };
         let comma = code.split_once('=').and_then(|(_, value)| value.split_once(','));
+        if self.file.ends_with(".c")
+            && starts_with_word(code, "extern")
+            && line.replace(' ', "").contains("extern\"C\"")
+        {
+            return Some(EXTERN_C.to_owned());
+        }
         if code == "include" || code.starts_with("include<") || code.starts_with("include <") {
             return Some("write `#include`, with `#`".to_owned());
+        }
+        if let Some(words) = python_list(code).filter(|_| is_syntax) {
+            return Some(words);
         }
         if lacks_name && comma.is_some_and(|(left, right)| has_digit(left, true) && has_digit(right, false)) {
             return Some("a number has a decimal point, not a comma: `0.5`".to_owned());
@@ -250,6 +259,11 @@ impl Message<'_> {
                 return Some("`*` stands before a value that is not a pointer: leave it out".to_owned());
             }
             return Some("there is no `**`: multiply, or write `pow(a, b)` with `#include <math.h>`".to_owned());
+        }
+        if ["subscripted value is", "for array subscript"].iter().any(|words| self.text.contains(words))
+            && let Some(words) = self.indexed_value()
+        {
+            return Some(words);
         }
         if self.text.contains("[-Wformat-security]") {
             return Some("`+` does not join a text and a number: write `\"distance %d\", d`".to_owned());
@@ -630,6 +644,25 @@ impl Message<'_> {
         })
     }
 
+    /// Explains `[ ]` after a variable that is no array.
+    fn indexed_value(&self) -> Option<String> {
+        let (left, right) = self.split_code()?;
+        // g++ and gcc point to the bracket behind or before the index, clang to the name.
+        let left = left.rsplit_once('[').filter(|_| right.starts_with(']')).map_or(left, |(left, _)| left);
+        let word = left.trim_end().rsplit(|c| !is_name(c)).next().filter(|word| !word.is_empty());
+        let name = word.or_else(|| right.split(|c| !is_name(c)).next()).filter(|name| !name.is_empty())?;
+        let code = code_only(self.source);
+        let lines_above = code.lines().enumerate().take(self.line.parse().ok()?);
+        let declared = lines_above.filter_map(|(index, line)| Some((index + 1, declared_type(line, name)?))).last();
+        let (line, kind) = declared?;
+        let size = if kind == "BYTE" { "QVGA_SIZE" } else { "10" };
+        let example = format!("such as `{kind} {name}[{size}];`");
+        let others = if kind == "BYTE" { " (the size of a colour image)" } else { "" };
+        Some(format!(
+            "`{name}` is a single value, of line {line}, and `[ ]` belongs to an array: declare one, {example}{others}"
+        ))
+    }
+
     /// Explains a keyword of C++ that the line declares as a variable: `int class`.
     fn cpp_keyword_as_name(&self) -> Option<String> {
         let right = self.split_code()?.1;
@@ -826,7 +859,11 @@ impl Message<'_> {
                 "`{name}` belongs to the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
         }
-        if !self.file.ends_with(".c") && CPP_LIBRARY_NAMES.contains(&name) {
+        let is_of_std = || self.text.contains("'std'") || self.source.contains("using namespace std");
+        if !self.file.ends_with(".c")
+            && (CPP_LIBRARY_NAMES.contains(&name)
+                || header_of_cpp_function(name).is_some() && (is_of_std() || ["max", "min", "sort"].contains(&name)))
+        {
             return Some(belongs_to_cpp(name));
         }
         if let Some(given) = self.code().and_then(print_arguments).filter(|given| given.starts_with(name)) {
@@ -1208,6 +1245,19 @@ fn starts_with_word(code: &str, word: &str) -> bool {
     code.strip_prefix(word).is_some_and(|rest| !rest.starts_with(is_name))
 }
 
+/// The type with which a line of code declares the variable `name` as a single value: `BYTE` for `BYTE img;`.
+fn declared_type<'a>(line: &'a str, name: &str) -> Option<&'a str> {
+    let type_in = |part: &'a str| {
+        let part = part.trim_start();
+        let kind = TYPES.iter().chain(&["BYTE", "COLOR", "short"]).find(|kind| starts_with_word(part, kind))?;
+        // What precedes `(` is a function.
+        let names = part[kind.len()..].split_once([';', ')']).map(|(names, _)| names)?;
+        let is_named = |declared: &str| declared.split('=').next().is_some_and(|declared| declared.trim() == name);
+        names.split(',').any(is_named).then_some(&part[..kind.len()])
+    };
+    line.split(['(', '{']).find_map(type_in)
+}
+
 /// Returns true for a `#define` of a value with `=` or `;`.
 fn is_wrong_define(code: &str) -> bool {
     code.strip_prefix("#define").is_some_and(|rest| {
@@ -1217,8 +1267,24 @@ fn is_wrong_define(code: &str) -> bool {
     })
 }
 
-/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the
-/// `while` of a `do`.
+/// Explains a list of numbers in the manner of Python, or the brackets before it: `int[2] a = [1, 2];`.
+fn python_list(code: &str) -> Option<String> {
+    let (head, values) = code.split_once('=')?;
+    let values = values.trim().strip_prefix('[')?.split(']').next()?.trim();
+    let is_listed = |letter: char| is_name(letter) || ",. -+".contains(letter);
+    let kind = TYPES.iter().chain(&["BYTE", "short"]).find(|kind| starts_with_word(head, kind))?;
+    let (mut name, mut size) = (head[kind.len()..].trim(), "");
+    if let Some(rest) = name.strip_prefix('[') {
+        let (inner, rest) = rest.split_once(']')?;
+        (size, name) = (inner.trim(), rest.trim());
+    } else if let Some((first, rest)) = name.split_once('[') {
+        (name, size) = (first.trim(), rest.split(']').next()?.trim());
+    }
+    let is_plain = is_word(name) && !name.is_empty() && is_word(size) && values.chars().all(is_listed);
+    is_plain.then(|| format!("a list of values is written between `{{ }}`: `{kind} {name}[{size}] = {{{values}}};`"))
+}
+
+/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the `while` of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
     let code = code_only(code);
     let code = code.trim();
@@ -1301,9 +1367,76 @@ fn belongs_to_cpp(name: &str) -> String {
     let header = match name {
         "cin" | "cout" | "endl" => "iostream",
         "pair" => "utility",
-        name => name,
+        name => header_of_cpp_function(name).unwrap_or(name),
     };
     format!("`{name}` belongs to the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
+}
+
+/// Functions of the C++ library that older compilers also declared in other headers, with their own header.
+const CPP_FUNCTIONS: [(&str, &[&str]); 2] = [
+    (
+        "algorithm",
+        &[
+            "all_of",
+            "any_of",
+            "binary_search",
+            "clamp",
+            "copy",
+            "count",
+            "count_if",
+            "fill",
+            "fill_n",
+            "find",
+            "find_if",
+            "for_each",
+            "generate",
+            "lower_bound",
+            "max",
+            "max_element",
+            "min",
+            "min_element",
+            "minmax_element",
+            "next_permutation",
+            "none_of",
+            "nth_element",
+            "partial_sort",
+            "partition",
+            "random_shuffle",
+            "remove",
+            "remove_if",
+            "replace",
+            "reverse",
+            "rotate",
+            "shuffle",
+            "sort",
+            "stable_sort",
+            "swap",
+            "transform",
+            "unique",
+            "upper_bound",
+        ],
+    ),
+    ("numeric", &["accumulate", "inner_product", "iota", "partial_sum"]),
+];
+
+/// The header of a function of the C++ library, such as `algorithm` for `sort`; `None` for other functions.
+fn header_of_cpp_function(name: &str) -> Option<&'static str> {
+    CPP_FUNCTIONS.iter().find(|(_, functions)| functions.contains(&name)).map(|(header, _)| *header)
+}
+
+/// Headers of the C++ library, each once, that declare the functions unknown according to the compiler's `output` about a C++ source (gcc and
+/// clang, `LC_ALL=C`).
+pub fn missing_cpp_headers(output: &str) -> Vec<&'static str> {
+    const UNKNOWN: [&str; 4] =
+        ["is not a member of 'std'", "in namespace 'std'", "was not declared in this scope", "undeclared identifier"];
+    let is_unknown = |line: &&str| line.contains("error: ") && UNKNOWN.iter().any(|phrase| line.contains(phrase));
+    let mut headers = Vec::new();
+    for line in output.lines().filter(is_unknown) {
+        // g++ writes `'sort' is not a member of 'std'`, or `'std::sort'`.
+        let name = quoted(line, 0).map(|name| name.strip_prefix("std::").unwrap_or(name));
+        headers.extend(name.and_then(header_of_cpp_function).filter(|header| !headers.contains(header)));
+    }
+    headers
 }
 
 /// Explains a name of the C++ library in a C program.
@@ -1349,6 +1482,9 @@ const CPP_LIBRARY_NAMES: [&str; 10] =
 fn is_word(text: &str) -> bool {
     text.chars().all(is_name)
 }
+
+const EXTERN_C: &str =
+    "`extern \"C\"` belongs to C++: leave it out with its `{ }`, or write it between `#ifdef __cplusplus` and `#endif`";
 
 const ARRAY_ASSIGNED: &str = "an array cannot be set with `=`: `strcpy(array, \"text\")`, with `#include <string.h>`, copies a text, a loop copies numbers";
 
@@ -1900,6 +2036,50 @@ mod tests {
         let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\
                      mine.cpp:2:5: note: 'int home()' previously defined here\n";
         check(twice, "mine.cpp:3: `home` is already defined in line 2: delete one of them, or give it another name\n");
+    }
+
+    #[test]
+    fn functions_of_the_cpp_library_name_their_header() {
+        let qualified =
+            "a.cpp:3:8: error: 'sort' is not a member of 'std'; did you mean 'sqrt'?\n    3 |   std::sort(v, v + 2);\n";
+        assert_eq!(missing_cpp_headers(qualified), ["algorithm"]);
+        check(
+            qualified,
+            "a.cpp:3: `sort` belongs to the C++ library: write `#include <algorithm>` at the top, and `std::sort`\n",
+        );
+        let plain =
+            "a.cpp:3:3: error: 'accumulate' was not declared in this scope\n    3 |   accumulate(v, v + 2, 0);\n";
+        assert_eq!(missing_cpp_headers(&format!("{plain}{qualified}{plain}")), ["numeric", "algorithm"]);
+        assert!(!in_plain_words(plain, ("a.cpp", "")).contains("numeric"));
+        assert!(in_plain_words(plain, ("a.cpp", "using namespace std;")).contains("#include <numeric>"));
+        assert!(missing_cpp_headers("a.cpp:3:3: error: 'home' was not declared in this scope").is_empty());
+    }
+
+    #[test]
+    fn lists_and_indices_are_explained() {
+        let syntax = |file: &str, error: &str, code: &str| {
+            in_plain_words(&format!("{file}:4:6: error: {error}\n    4 | {code}\n"), ("", ""))
+        };
+        let list = "a list of values is written between `{ }`: `int A[2] = {1, 2};`\n";
+        let bracket = "expected identifier or '(' before '[' token";
+        assert_eq!(syntax("a.c", bracket, "  int[2] A = [1, 2];"), format!("a.c:4: {list}"));
+        let number = "expected identifier before numeric constant";
+        assert_eq!(syntax("a.cpp", number, "  int A[2] = [1, 2];"), format!("a.cpp:4: {list}"));
+        assert!(
+            syntax("a.c", "expected expression before '[' token", "  int A = [1, 2];").contains("`int A[] = {1, 2};`")
+        );
+        let linkage = syntax("a.c", "expected identifier or '(' before string constant", "extern \"C\" {");
+        assert!(linkage.starts_with("a.c:4: `extern \"C\"` belongs to C++"), "{linkage}");
+        let indexed = "a.c:4:13: error: subscripted value is neither array nor pointer nor vector\n    4 |   return img[3];\n      |             ^\n";
+        assert_eq!(
+            in_plain_words(indexed, ("a.c", "int main()\n{\n  BYTE img, old;\n  return img[3];\n}\n")),
+            "a.c:4: `img` is a single value, of line 3, and `[ ]` belongs to an array: declare one, such as `BYTE img[QVGA_SIZE];` (the size of a colour image)\n"
+        );
+        let cpp = "a.cpp:2:10: error: invalid types 'int[int]' for array subscript\n    2 |   return d[3];\n      |           ^\n";
+        assert!(
+            in_plain_words(cpp, ("a.cpp", "int f(int d) {\n  return d[3];\n}\n"))
+                .contains("`d` is a single value, of line 1")
+        );
     }
 
     #[test]

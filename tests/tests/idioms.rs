@@ -57,6 +57,12 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
         &["0 1 0 0"],
     ),
     (
+        "algorithm.cpp",
+        "#include \"eyebot.h\"\n#include <cstdio>\nusing namespace std;\nint main()\n{ int d[3] = {3, 1, 2}; VWStraight(10, 100);\n  \
+         sort(d, d + 3); printf(\"%d %d %d\\n\", d[0], std::max(d[1], 7), std::accumulate(d, d + 3, 0)); }\n",
+        &["1 7 6"],
+    ),
+    (
         "own-none.c",
         "#include \"eyebot.h\"\nenum { FORWARD = 3, NONE, NL };\nint main() { VWStraight(10, 100); printf(\"%d %d\\n\", NONE, NL); return 0; }\n",
         &["4 5"],
