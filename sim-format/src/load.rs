@@ -524,9 +524,20 @@ impl<'a> Loader<'a> {
             return (!is_classic).then(empty_box);
         };
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
+        self.note_world_of_installation(&path, folder, &line.path.text);
         let rules = CellRules { dialect: sim.run.dialect, cell: line.cell };
         let world = map::read_world_file(self, &path, bytes, line.kind, rules);
         Some(WorldSpec { looks: line.looks, ..world })
+    }
+
+    /// Notes that a scene in `folder`, outside of the installation, takes a world of the installation that it does not name as such.
+    fn note_world_of_installation(&mut self, path: &str, folder: &str, reference: &str) {
+        let Some(home) = self.files.home() else { return };
+        let is_inside =
+            |path: &str| path.strip_prefix(home).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+        if is_inside(path) && !is_inside(folder) && !path::names_installation(reference) {
+            self.notes.push(format!("`{reference}` is not beside the scene: it is `{path}` of the installation"));
+        }
     }
 
     /// Cost table of the scene `file`; reads it if `costs` refers to a file.

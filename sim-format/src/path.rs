@@ -46,16 +46,18 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
-/// Candidates for an absolute path `text` from another machine; empty for a relative path.
+/// Candidates for an absolute path `text` from another machine, or for a relative path that leads through other folders, as in
+/// `../worlds/a.wld`; empty for a bare file name and for a path that begins with `%sim%`.
 ///
 /// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
-/// below the installation. The bare file name is not searched for in the folders above.
+/// below the installation and its folders `worlds` and `robis`. The bare file name is not searched for in the folders above.
 pub fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
-    if !is_absolute(&text) {
+    let is_step = |part: &&str| !["", ".", ".."].contains(part);
+    let parts: Vec<&str> = text.split('/').filter(is_step).collect();
+    if !is_absolute(&text) && (!text.contains('/') || strip_installation(&text).is_some()) {
         return Vec::new();
     }
-    let parts: Vec<&str> = text.split('/').filter(|part| !part.is_empty()).collect();
     let above = ["..", "../.."].map(|up| join(folder, up));
     let mut paths: Vec<String> = Vec::new();
     for first in 0..parts.len() {
@@ -64,7 +66,8 @@ pub fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec
         if first + 1 < parts.len() {
             paths.extend(above.iter().map(|folder| join(folder, &suffix)));
         }
-        paths.extend(home.map(|home| join(home, &suffix)));
+        paths
+            .extend(home.iter().flat_map(|home| INSTALLATION_FOLDERS.map(|folder| join(&join(home, folder), &suffix))));
     }
     paths
 }
@@ -104,6 +107,11 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     }
     let up = folder_parts[shared..].iter().map(|_| "..");
     up.chain(path_parts[shared..].iter().copied()).collect::<Vec<_>>().join("/")
+}
+
+/// Returns true if `text` begins with `%sim%`.
+pub(super) fn names_installation(text: &str) -> bool {
+    strip_installation(text).is_some()
 }
 
 fn strip_installation(text: &str) -> Option<&str> {
@@ -210,19 +218,37 @@ mod tests {
     }
 
     #[test]
-    fn absolute_paths_of_another_machine_are_searched_by_suffixes() {
+    fn paths_of_another_machine_are_searched_by_suffixes() {
         let paths = relocated_candidates(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
         let expected = [
             "a/sims/signs/stop.esObj",
             "a/signs/stop.esObj",
             "signs/stop.esObj",
             "/opt/e/signs/stop.esObj",
+            "/opt/e/worlds/signs/stop.esObj",
+            "/opt/e/robis/signs/stop.esObj",
             "a/sims/stop.esObj",
             "/opt/e/stop.esObj",
+            "/opt/e/worlds/stop.esObj",
+            "/opt/e/robis/stop.esObj",
         ];
         assert_eq!(paths[paths.len() - expected.len()..], expected);
         assert_eq!(paths[0], "a/sims/C:/eyesim/signs/stop.esObj");
-        assert_eq!(relocated_candidates("signs/stop.esObj", "a", None), [""; 0]);
+        let relative = relocated_candidates("../../worlds/small/a.wld", "sims", None);
+        assert_eq!(
+            relative,
+            [
+                "sims/worlds/small/a.wld",
+                "worlds/small/a.wld",
+                "../worlds/small/a.wld",
+                "sims/small/a.wld",
+                "small/a.wld",
+                "../small/a.wld",
+                "sims/a.wld"
+            ]
+        );
+        assert_eq!(relocated_candidates("stop.esObj", "a", Some("/opt/e")), [""; 0]);
+        assert_eq!(relocated_candidates("%sim%/stop.esObj", "a", Some("/opt/e")), [""; 0]);
     }
 
     #[test]

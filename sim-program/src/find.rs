@@ -153,7 +153,7 @@ fn quoted(names: &[String]) -> String {
 /// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
 /// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
 /// sources from which a `Makefile` beside it builds it, then the sources and libraries of the same name in its folder.
-/// If nothing is found, absolute paths are searched below the sim file's folder, as those of worlds are, and then all
+/// If nothing is found, paths through folders are searched below the sim file's folder, as those of worlds are, and then all
 /// names without regard to upper and lower case.
 ///
 /// # Errors
@@ -167,9 +167,6 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
     if let Some(source) = finder.find(reference) {
         return Ok(finder.found(source));
     }
-    if let Some(source) = finder.find_elsewhere(reference) {
-        return Ok(finder.found(source));
-    }
     let parts: Vec<&str> = reference.split(',').map(str::trim).collect();
     if parts.len() > 1 && parts.iter().all(|part| Language::of(Path::new(part)).is_some()) {
         finder.attempts.clear();
@@ -177,6 +174,8 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
         if let Some(source) = sources.map(ProgramSource::of_files) {
             return Ok(finder.found(source));
         }
+    } else if let Some(source) = finder.find_elsewhere(reference) {
+        return Ok(finder.found(source));
     }
     let similar = finder.similar_names(reference);
     Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, similar })
@@ -208,8 +207,8 @@ impl Finder<'_> {
         self.candidates(reference).into_iter().find_map(|path| self.search_at(&path))
     }
 
-    /// Searches for a path from another machine below the sim file's folder, then for all names without regard to upper
-    /// and lower case.
+    /// Searches for a path from another machine, or of another arrangement of folders, below the sim file's folder, then for all names without regard to upper and
+    /// lower case.
     fn find_elsewhere(&mut self, reference: &str) -> Option<ProgramSource> {
         let attempt_count = self.attempts.len();
         let text = |path: &Path| path.to_str().map(str::to_owned);
@@ -230,7 +229,7 @@ impl Finder<'_> {
     }
 
     fn find_source_file(&mut self, part: &str) -> Option<PathBuf> {
-        match self.find(part)? {
+        match self.find(part).or_else(|| self.find_elsewhere(part))? {
             ProgramSource::Sources { mut files, .. } if files.len() == 1 => files.pop(),
             _ => None,
         }
@@ -612,6 +611,7 @@ mod tests {
             ("~/eyesim/progs/Turn.x", "sims/progs/Turn.cpp"),
             ("PROGS\\TURN.EXE", "sims/progs/Turn.cpp"),
             ("/home/bob/PROGS/turn.x", "sims/progs/Turn.cpp"),
+            ("../../progs/go.c", "sims/go.c"),
             ("GO.C", "sims/go.c"),
             ("main.c", "sims/Main.C"),
             ("MAIN", "sims/Main.C"),
@@ -619,6 +619,8 @@ mod tests {
             let found = test_folder.check(reference, &[expected]);
             assert!(found.notes[0].contains("does not exist") && found.notes.len() == 1, "{:?}", found.notes);
         }
+        let notes = test_folder.check("x/go.c,progs/Turn.cpp", &["sims/go.c", "sims/progs/Turn.cpp"]).notes;
+        assert!(notes.len() == 1 && notes[0].starts_with("`x/go.c` does not exist"), "{notes:?}");
         assert!(test_folder.check("go.x", &["sims/go.c"]).notes.is_empty());
         test_folder.check_missing("/home/bob/eyesim/stop.x");
     }

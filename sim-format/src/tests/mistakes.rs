@@ -158,6 +158,7 @@ const SCENES: &[(Code, &str)] = &[
     (Code::FileMissing, "world u.wld\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMissing, "world w.wld\nrobi %sim%/S5.robi p.so 1 1 0\n"),
     (Code::FileMoved, "world C:\\x\\w.wld\nrobi S4.robi p.so 1 1 0\n"),
+    (Code::FileMoved, "world ../../worlds/small/w.wld\nrobi ..\\S4.robi p.so 1 1 0\n"),
     (Code::FileUnreadable, "world locked.wld\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMissing, "world w.wld\nobject no.esObj\nrobot no.robi\n"),
     (Code::FileMoved, "world w.wld\nobject C:\\x\\signs/sign.esObj\nS4 5 5 0\n"),

@@ -289,6 +289,33 @@ fn robots_take_the_starts_in_order() {
 }
 
 #[test]
+fn worlds_of_another_arrangement_of_folders_are_found_with_a_note() {
+    let wall = "floor 1000 1000\n";
+    let files = Memory::new(&[
+        ("x/sims/a.sim", "world ../../worlds/small/w.wld\nS4 500 500 0\n"),
+        ("x/sims/w.wld", wall),
+        ("x/sims/b.sim", "world ../../worlds/small/home.wld\nS4 500 500 0\n"),
+        ("x/sims/c.sim", "world home.wld\nS4 500 500 0\n"),
+        ("x/sims/d.sim", "world %sim%/worlds/home.wld\nS4 500 500 0\n"),
+        ("/home/eyesim/worlds/home.wld", wall),
+        ("/home/eyesim/sims/e.sim", "world ../worlds/home.wld\nS4 500 500 0\n"),
+    ]);
+    let load = |path: &str| {
+        let loaded = load_scene(path, &files);
+        (codes(&loaded.diagnostics).join(" "), loaded.inputs[1].path.clone(), loaded.notes)
+    };
+    let note = |reference: &str| {
+        vec![format!("`{reference}` is not beside the scene: it is `/home/eyesim/worlds/home.wld` of the installation")]
+    };
+    let home = "/home/eyesim/worlds/home.wld".to_owned();
+    assert_eq!(load("x/sims/a.sim"), ("file-moved".to_owned(), "x/sims/w.wld".to_owned(), vec![]));
+    assert_eq!(load("x/sims/b.sim"), ("file-moved".to_owned(), home.clone(), note("../../worlds/small/home.wld")));
+    assert_eq!(load("x/sims/c.sim"), (String::new(), home.clone(), note("home.wld")));
+    assert_eq!(load("x/sims/d.sim"), (String::new(), home.clone(), vec![]));
+    assert_eq!(load("/home/eyesim/sims/e.sim"), (String::new(), home, vec![]));
+}
+
+#[test]
 fn missing_file_error_lists_tried_paths() {
     let files = Memory::new(&[("a/b.sim", "world w.wld\nrobi r.robi p.so 1 2 3\n"), ("a/v.wld", "")]);
     let loaded = load_scene("a/b.sim", &files);
