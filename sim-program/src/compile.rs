@@ -103,7 +103,7 @@ pub struct Compilation<'a> {
     pub kit_folder: &'a Path,
     /// Absolute paths of the sources; the extension of each determines its language.
     pub sources: &'a [PathBuf],
-    /// Further compiler flags of the user; they follow all other flags.
+    /// Further compiler flags of the user; they follow all other flags. Those of libraries (`-l`, `-L`, `-Wl,`) are flags of the link.
     pub extra_flags: &'a [String],
     /// Folder for object files and the library.
     pub folder: &'a Path,
@@ -440,7 +440,8 @@ impl<'a> Compilation<'a> {
             command.current_dir(folder);
         }
         let inline_flag = variant.inline_rule.compile_flag().filter(|_| compiler.language() == Language::C);
-        command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG)).args(self.extra_flags);
+        command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG));
+        command.args(self.extra_flags.iter().filter(|flag| !is_link_flag(flag)));
         for header in headers {
             command.arg("-include").arg(header);
         }
@@ -499,7 +500,12 @@ impl<'a> Compilation<'a> {
             let exports = self.kit_folder.join("shim").join(c::CPP_EXPORTS);
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
-        command.args(inline_rule.link_flag()).args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
+        command.args(inline_rule.link_flag()).args(objects);
+        command
+            .args(self.extra_flags.iter().filter(|flag| is_link_flag(flag)))
+            .args(c::LIBRARIES)
+            .arg("-o")
+            .arg(&compiled.library);
         let output = self
             .execute(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Unlinked { output })?;
@@ -570,7 +576,12 @@ impl CompileVariant<'_> {
     }
 }
 
-/// The first lines of a compiler's messages: a file that is not text causes thousands.
+/// Returns true for a flag of the linker: `-lfann`, `-L/opt/lib`, `-Wl,...`.
+fn is_link_flag(flag: &str) -> bool {
+    ["-l", "-L", "-Wl,"].iter().any(|beginning| flag.starts_with(beginning))
+}
+
+/// The first lines of a compiler's messages: a file that is no text causes thousands.
 fn beginning(messages: &str) -> String {
     const MAX_BYTES: usize = 32 << 10;
     let mut len = 0;

@@ -10,6 +10,7 @@ use robios_sys::c;
 
 use super::beside::files_beside;
 use super::generation::Generation;
+use super::header::{library_hint, nearby_hint};
 use super::language::Language;
 use super::plain::in_plain_words;
 
@@ -90,6 +91,12 @@ fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
     if let Some((_, instead)) = ABSENT_HEADERS.iter().find(|(headers, _)| headers.contains(&missing)) {
         Some(format!(": `{missing}`: {instead}"))
+    } else if let Some(hint) = library_hint(missing) {
+        Some(hint)
+    } else if name.to_lowercase().starts_with("robios") || name.eq_ignore_ascii_case("eyebot.h") {
+        Some(format!(": there is no `{missing}`: write `#include \"eyebot.h\"`"))
+    } else if let Some(hint) = nearby_hint(missing, source) {
+        Some(hint)
     } else if ROBIOS_PARTS.contains(&name.to_lowercase().as_str()) {
         Some(format!(": `{missing}` is a part of RoBIOS: remove the line, since `eyebot.h` contains it"))
     } else if let Some(new) = name.strip_suffix(".h").filter(|new| OLD_CPP_HEADERS.contains(new)) {
@@ -104,7 +111,10 @@ fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
         let cpp = cpp.file_name().unwrap_or_default().display();
         Some(format!(" includes `{missing}`, so this is C++: name the file `{cpp}`, and in the scene too"))
     } else {
-        None
+        Some(format!(
+            ": `{missing}` is not beside the program, and no part of eyesim or of the compiler: copy the file into the program's folder, or \
+             remove the line"
+        ))
     }
 }
 
@@ -525,7 +535,7 @@ mod tests {
         assert_eq!(bool, "a.c: `bool.h`: write `#include <stdbool.h>`\n");
         let clang = source_hints("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
         assert!(clang.starts_with("a.c: `windows.h`: it belongs to Windows: `OSWait(ms)`"), "{clang}");
-        for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {
+        for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot", "robios.h", "RoBIOS7.h"] {
             let output = format!("a.c:1:10: fatal error: {missing}: No such file or directory\n");
             let expected = format!("a.c: there is no `{missing}`: write `#include \"eyebot.h\"`\n");
             assert_eq!(source_hints(&output, "a.c", b""), expected);
@@ -537,7 +547,10 @@ mod tests {
         );
         let part = source_hints("a.c:1:10: fatal error: lcd.h: No such file or directory\n", "a.c", b"");
         assert!(part.starts_with("a.c: `lcd.h` is a part of RoBIOS: remove the line"), "{part}");
-        assert_eq!(source_hints("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");
+        let other = source_hints("a.c:1:10: fatal error: im.h: No such file or directory\n", "a.c", b"");
+        assert!(other.starts_with("a.c: `im.h` is not beside the program"), "{other}");
+        let library = source_hints("a.c:1:10: fatal error: fann.h: No such file or directory\n", "a.c", b"");
+        assert!(library.starts_with("a.c: `fann.h` belongs to FANN"), "{library}");
         let unlinked = link_hints("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
         let borland = link_hints("undefined reference to `getch'", &[], Generation::Robios7);
@@ -549,7 +562,7 @@ mod tests {
         let output = "a.c:1:10: fatal error: iostream: No such file or directory\n";
         let hint = "a.c includes `iostream`, so this is C++: name the file `a.cpp`, and in the scene too\n";
         assert_eq!(source_hints(output, "a.c", b""), hint);
-        assert_eq!(source_hints(output, "a.cpp", b""), "");
+        assert!(!source_hints(output, "a.cpp", b"").contains("C++"));
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub mod files;
 pub mod find;
 pub mod float;
 pub mod generation;
+mod header;
 mod hint;
 pub mod host;
 pub mod image;

@@ -247,6 +247,23 @@ fn several_files_are_linked_to_one_program() {
 }
 
 #[test]
+fn libraries_of_the_system_are_linked() {
+    let main = "int answer(void);\nint main(void) { return answer(); }\n";
+    let Some(mut test_folder) =
+        TestFolder::with(&[("main.c", main), ("lib/answer.c", "int answer(void) { return 42; }\n")])
+    else {
+        return;
+    };
+    let folder = test_folder.path("lib");
+    let mut cc = std::process::Command::new("cc");
+    cc.args(["-shared", "-fPIC", "answer.c", "-o", "libanswer.so"]).current_dir(&folder);
+    assert!(cc.status().is_ok_and(|status| status.success()));
+    let folder = folder.display();
+    test_folder.tools.cflags = Some(format!("-DONE -L{folder} -lanswer -Wl,-rpath,{folder}"));
+    assert_eq!(run(&test_folder.loaded(&["main.c"])), 42);
+}
+
+#[test]
 fn inline_functions_of_old_c_are_linked() {
     let main = "int two(void);\ninline int one(int n) { return n < 2 ? 20 : one(n - 1) + 1; }\nint (*function)(int) = one;\n\
                 int main(void) { return function(2) + two(); }\n";
