@@ -25,6 +25,9 @@ const fn case(mistake: &'static str, program: &'static str, text: &'static str) 
     Case { mistake, program, text, robot: None }
 }
 
+/// A file beside the programs that call `plan`: its name and text.
+const MAP: (&str, &str) = ("map.c", "int plan(int way)\n{\n  return way;\n}\n");
+
 const CASES: &[Case] = &[
     case(
         "a function misspelt",
@@ -818,6 +821,62 @@ const CASES: &[Case] = &[
         "#include <iostream>\nint main()\n{\n  int *place = nullptr;\n  std::cout << \"at the start\";\n  std::cout << *place;\n}\n",
     ),
     case("text without an end of line before a break", "mine.py", "print(\"at the start\", end=\"\")\nprint(1 // 0)\n"),
+    case(
+        "a file of the program that is not named",
+        "mine.c",
+        "#include \"eyebot.h\"\nint plan(int way);\nint main(void)\n{\n  return VWStraight(plan(100), 100);\n}\n",
+    ),
+    case(
+        "a header that does not exist",
+        "mine.c",
+        "#include \"eyebot.h\"\n#include \"tools.h\"\nint main(void)\n{\n  return VWStraight(100, 100);\n}\n",
+    ),
+    case(
+        "an argument that is not given",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(int argc, char *argv[])\n{\n  int way = atoi(argv[1]);\n  return VWStraight(way, 100);\n}\n",
+    ),
+    case(
+        "an argument that is not given",
+        "mine.cpp",
+        "#include \"eyebot.h\"\n#include <string>\nint main(int argc, char *argv[])\n{\n  int way = std::stoi(argv[1]);\n  \
+         VWStraight(way, 100);\n}\n",
+    ),
+    case(
+        "an argument that is not given",
+        "mine.py",
+        "import sys\nfrom eye import *\nway = int(sys.argv[1])\nVWStraight(way, 100)\n",
+    ),
+    case(
+        "a list of Python",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  int[2] ways = [100, 200];\n  return VWStraight(ways[0], 100);\n}\n",
+    ),
+    case(
+        "a list of Python",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  int ways[2] = [100, 200];\n  VWStraight(ways[0], 100);\n}\n",
+    ),
+    case(
+        "an index of a single value",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  BYTE img;\n  CAMInit(QVGA);\n  CAMGet(&img);\n  return img[3];\n}\n",
+    ),
+    case(
+        "an index of a single value",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  BYTE img;\n  CAMInit(QVGA);\n  CAMGet(&img);\n  return img[3];\n}\n",
+    ),
+    case(
+        "`extern \"C\"` in C",
+        "mine.c",
+        "#include \"eyebot.h\"\nextern \"C\" {\nint home(void);\n}\nint main(void)\n{\n  return VWStraight(100, 100);\n}\n",
+    ),
+    case(
+        "`<algorithm>` forgotten",
+        "mine.cpp",
+        "#include \"eyebot.h\"\nint main()\n{\n  int d[2] = {PSDGet(1), PSDGet(2)};\n  std::sort(d, d + 2);\n  LCDPrintf(\"%d\\n\", d[0]);\n}\n",
+    ),
 ];
 
 /// Name of a tool and its version without the last number: `gcc 12`, `Python 3.11`.
@@ -840,6 +899,9 @@ fn write(scratch: &Scratch, case: &Case) {
     };
     if case.program != "mine" {
         fs::write(scratch.path().join(case.program), bytes(case.text)).expect("the program");
+        if case.text.contains("plan(") {
+            scratch.write(MAP.0, MAP.1);
+        }
         return;
     }
     if !scratch.path().join("mine").exists() {
