@@ -156,8 +156,8 @@ impl Reader {
         let count = words.iter().position(|word| !line::looks_numeric(word.text)).unwrap_or(words.len());
         if !matches!(words.len(), 4 | 6 | 9) {
             let message = match words.get(count) {
-                Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
-                None => format!("a wall of {count} numbers"),
+                Some(word) => format!("a wall of {count} numbers and the word `{}`; the line is left out", word.text),
+                None => format!("a wall of {count} numbers; the line is left out"),
             };
             let separated = words.iter().map(|word| word.text.replace([',', ';'], " ")).collect::<Vec<_>>().join(" ");
             let has_separators = words.iter().any(|word| word.text.contains([',', ';']));

@@ -65,7 +65,7 @@ fn without_a_terminal_there_is_one_line_for_each_mistake() {
     let ran = check(&scratch, &["wrong.wld", "warned.wld"]);
     let expected = "wrong.wld:2:10: error[number-range]: x `inf` is out of range; expected a number in mm from -1000000000 to \
                     1000000000\n\
-                    warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers; `push 0 0 1000`, if a frame is meant\n\
+                    warned.wld:2:1: warning[wld-wall-arity]: a wall of 3 numbers; the line is left out; `push 0 0 1000`, if a frame is meant\n\
                     2 files checked: 1 error, 1 warning in 2 files\n";
     assert_eq!(ran.stdout, expected);
     assert_eq!(check(&scratch, &["wrong.wld", "warned.wld", "--format", "short"]).stdout, expected);
@@ -99,7 +99,7 @@ fn people_see_the_line_and_no_colour_unless_they_want_it() {
     let scratch = with(&[("warned.wld", WARNED)]);
     let plain = check(&scratch, &["warned.wld", "--format", "human"]).stdout;
     for part in [
-        "! warning[wld-wall-arity]: a wall of 3 numbers",
+        "! warning[wld-wall-arity]: a wall of 3 numbers; the line is left out",
         "╭─[warned.wld:2:1]",
         "2 │ 0 0 1000",
         "help: ",
