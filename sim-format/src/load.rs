@@ -363,11 +363,6 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Returns true if a reference to a robot type has failed because the file is missing.
-    pub(super) fn lacks_robot_type(&self) -> bool {
-        self.robots.by_reference.values().any(Option::is_none)
-    }
-
     /// Records a file as input and decodes it. Reports an error for UTF-16 and returns an empty text.
     pub(super) fn decode_input(&mut self, path: &str, bytes: Vec<u8>) -> String {
         if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {

@@ -39,6 +39,8 @@ pub(super) struct Types {
     by_lower_case: BTreeMap<String, Vec<String>>,
     /// Lines that would load the types in nearby files, by the names of the types; filled at the first unknown type.
     nearby: Option<BTreeMap<String, String>>,
+    /// References to files of types that do not exist, which is already reported.
+    missing: Vec<SpannedText>,
     format: SceneFormat,
 }
 
@@ -52,8 +54,13 @@ impl Types {
     /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the
     /// same name, the first is registered.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
-        let mut types =
-            Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, format: sim.format };
+        let mut types = Self {
+            by_name: BTreeMap::new(),
+            by_lower_case: BTreeMap::new(),
+            nearby: None,
+            missing: Vec::new(),
+            format: sim.format,
+        };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(LoadedType::Robot);
         let objects = builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(LoadedType::Object);
         for kind in robots.chain(objects) {
@@ -76,8 +83,9 @@ impl Types {
             } else {
                 loader.object_type(&sim.file, folder, path).map(LoadedType::Object)
             };
-            if let Some(kind) = kind {
-                types.register(&mut sink, kind, path.span);
+            match kind {
+                Some(kind) => types.register(&mut sink, kind, path.span),
+                None => types.missing.push(path.clone()),
             }
         }
         for (robi, span) in &sim.inline.robot_types {
@@ -148,11 +156,13 @@ impl Types {
         folder: &str,
         reference: &SpannedText,
     ) {
-        // The type may be in the file that is missing, which is already reported.
-        if self.format == SceneFormat::Sim && loader.lacks_robot_type() {
-            return;
-        }
-        let message = format!("there is no type `{}`", reference.text);
+        let name = &reference.text;
+        let missing = self.missing_file_of(name);
+        let message = match &missing {
+            None => format!("there is no type `{name}`"),
+            Some((file, true)) => format!("there is no type `{name}`, since {file} is not found"),
+            Some((file, false)) => format!("there is no type `{name}`; it may be in {file}, which is not found"),
+        };
         let expected = match self.format {
             SceneFormat::Sim => {
                 "LabBot, S4, Mako, Can, Soccer, Crate, Golf, or the name of a type that a line above loads"
@@ -161,8 +171,19 @@ impl Types {
                 "LabBot, S4, Mako, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene"
             }
         };
-        let suggestion = self.suggestion(loader, folder, &reference.text);
+        let suggestion = match missing {
+            // Types with similar names are not the one that is meant.
+            Some((_, true)) => self.nearby_line(loader, folder, name),
+            _ => self.suggestion(loader, folder, name),
+        };
         sink.report(severity, Code::SimTypeUnknown, reference.span, message, expected).suggestion = suggestion;
+    }
+
+    /// Description of the missing file that would define the type `name`, and true if its name shows this.
+    fn missing_file_of(&self, name: &str) -> Option<(String, bool)> {
+        let of_name = self.missing.iter().find(|file| path::stem(&file.text).eq_ignore_ascii_case(name));
+        let file = of_name.or(self.missing.first())?;
+        Some((format!("`{}` of line {}", file.text, file.span.line), of_name.is_some()))
     }
 
     fn suggestion(&mut self, loader: &Loader<'_>, folder: &str, name: &str) -> Option<String> {
@@ -170,15 +191,20 @@ impl Types {
         if let Some(kind) = kinds.find(|kind| path::stem(kind.file()).eq_ignore_ascii_case(name)) {
             return Some(format!("write `{}`, the name that `{}` gives to the type", kind.name(), kind.file()));
         }
+        self.nearby_line(loader, folder, name).or_else(|| {
+            let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);
+            line::nearest(name, names).map(|name| format!("write `{name}`"))
+        })
+    }
+
+    /// Suggestion to load the type `name` from a file nearby.
+    fn nearby_line(&mut self, loader: &Loader<'_>, folder: &str, name: &str) -> Option<String> {
         let nearby = self.nearby.get_or_insert_with(|| find_nearby(loader, folder));
-        if let Some(line) = nearby.get(name) {
-            return Some(match self.format {
-                SceneFormat::Sim => format!("load it above with `{line}`"),
-                SceneFormat::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
-            });
-        }
-        let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);
-        line::nearest(name, names).map(|name| format!("write `{name}`"))
+        let line = nearby.get(name)?;
+        Some(match self.format {
+            SceneFormat::Sim => format!("load it above with `{line}`"),
+            SceneFormat::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
+        })
     }
 }
 

@@ -181,6 +181,10 @@ const SCENES: &[(Code, &str)] = &[
         Code::SimTypeUnknown,
         "world v.wld\nStopSign 800 800 0\nLabot 500 500 0 a.py\nwonder S\nobject stop.esObj\nstop 1 2 3\nsoccr 1 2 3\n",
     ),
+    (
+        Code::SimTypeUnknown,
+        "world v.wld\nobject Cone.esObj\nrobot no.robi\nCone 100 100 0\nno 500 500 0 a.py\nother 200 200 0 a.py\n",
+    ),
     (Code::SimStartMissing, "world w.wld\nrobi S4.robi p.so\n"),
     (
         Code::SimStartOverlap,
