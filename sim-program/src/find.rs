@@ -251,6 +251,8 @@ impl Finder<'_> {
         bases.extend(search.folders.iter().map(PathBuf::as_path));
         let mut folders = Vec::new();
         bases.retain(|base| {
+            // The folder of a sim file in the working folder is empty.
+            let base = if base.as_os_str().is_empty() { Path::new(".") } else { base };
             let folder = fs::canonicalize(base).unwrap_or_else(|_| base.to_path_buf());
             let is_new = !folders.contains(&folder);
             folders.push(folder);
@@ -365,8 +367,9 @@ impl Finder<'_> {
             else {
                 continue;
             };
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-                let path = entry.path();
+                let path = tidy(&entry.path());
                 let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else { continue };
                 let distance = strsim::osa_distance(&stem.to_lowercase(), &requested.to_lowercase());
                 let is_tried = self.attempts.iter().any(|attempt| attempt.path == path);
@@ -601,6 +604,14 @@ mod tests {
             ("sims/drive/map.c", b""),
         ]);
         folder.check("drive", &["sims/drive/main.c", "sims/drive/map.c"]);
+    }
+
+    #[test]
+    fn a_folder_that_is_also_the_working_folder_is_listed_once() {
+        let working_folder = std::env::current_dir().expect("the working folder");
+        let search = SearchPath { sim_folder: Some(PathBuf::new()), working_folder, ..SearchPath::default() };
+        let message = find_program("gone.py", &search).expect_err("not found").to_string();
+        assert_eq!(message, "program `gone.py` is not found\n  tried `gone.py`");
     }
 
     #[test]
