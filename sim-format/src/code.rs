@@ -67,7 +67,7 @@ codes! {
     FileKind = "file-kind": "the extension of a file name is unknown or missing",
     FileMissing = "file-missing": "a file is not found",
     FileMore = "file-more": "the file has more mistakes than are listed",
-    FileMoved = "file-moved": "a path does not exist; a file nearby matches its last parts",
+    FileMoved = "file-moved": "a file is not at the place that its name says; another one is taken",
     FileNameMissing = "file-name-missing": "a file name is missing or empty",
     FileUnreadable = "file-unreadable": "a file exists but cannot be read",
     FolderEmpty = "folder-empty": "a folder without a file that eyesim reads",

@@ -437,6 +437,14 @@ impl<'a> Loader<'a> {
             }
         }
         if found.is_none() {
+            let renamed = candidates.iter().filter_map(|candidate| path::with_txt(candidate));
+            found = renamed.into_iter().find_map(|path| Some((path.clone(), self.files.read(&path).ok()?)));
+            if let Some((candidate, _)) = &found {
+                let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
+                sink.warn(Code::FileMoved, reference.span, message, "the name as the file has it");
+            }
+        }
+        if found.is_none() {
             let relocated = path::relocated_candidates(&reference.text, folder, self.files.home());
             let exact =
                 relocated.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));

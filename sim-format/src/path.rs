@@ -81,14 +81,32 @@ pub fn folder_of(path: &str) -> &str {
     }
 }
 
-/// Extension of a path in lower case, without the dot; empty if it has none.
-pub(super) fn extension(path: &str) -> String {
-    let name = file_name(path);
+/// Extensions, in lower case, that determine the kind of a file even with `.txt` after them, which editors and mail programs add.
+const KINDS: [&str; 8] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml", "num"];
+
+/// Extension of a path in lower case, without the dot; empty if it has none. That of `a.wld.txt` is `wld`.
+pub fn extension(path: &str) -> String {
+    let name = file_name(without_txt(path));
     name.rfind('.').map_or(String::new(), |dot| name[dot + 1..].to_lowercase())
+}
+
+/// The path without a `.txt` that follows another extension: `a.wld` for `a.wld.txt`.
+fn without_txt(path: &str) -> &str {
+    let Some((rest, _)) = path.rsplit_once('.').filter(|(_, last)| last.eq_ignore_ascii_case("txt")) else {
+        return path;
+    };
+    let has_kind = |(_, inner): (&str, &str)| KINDS.iter().any(|kind| kind.eq_ignore_ascii_case(inner));
+    if file_name(rest).rsplit_once('.').is_some_and(has_kind) { rest } else { path }
+}
+
+/// The path of the file `path` that was saved with `.txt` after its extension; `None` for extensions to which this does not happen.
+pub(super) fn with_txt(path: &str) -> Option<String> {
+    KINDS.contains(&extension(path).as_str()).then(|| format!("{path}.txt"))
 }
 
 /// The path with another extension: `robis/S4.robi` with `toml` is `robis/S4.toml`.
 pub(super) fn with_extension(path: &str, extension: &str) -> String {
+    let path = without_txt(path);
     format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
 }
 
@@ -256,6 +274,10 @@ mod tests {
         assert_eq!((folder_of("a/b.c"), file_name(r"a\b.c"), stem("a/b.x.c"), stem(".x")), ("a", "b.c", "b.x", ".x"));
         assert_eq!((folder_of("b"), folder_of("/b")), ("", "/"));
         assert_eq!(with_extension("r.x/S4.robi", "toml"), "r.x/S4.toml");
+        assert_eq!(with_extension("S4.robi.txt", "toml"), "S4.toml");
+        let extensions = ["a.WLD.txt", "a.b/c.txt", "a.sim.TXT", "a.b.txt", "wld.txt"].map(extension);
+        assert_eq!(extensions, ["wld", "txt", "sim", "txt", "txt"]);
+        assert_eq!((with_txt("x/a.wld"), with_txt("a.png")), (Some("x/a.wld.txt".to_owned()), None));
         assert_eq!(normalised("../../a/./b//../c"), "../../a/c");
         assert_eq!(normalised("/../a"), "/a");
     }

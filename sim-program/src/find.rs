@@ -10,7 +10,7 @@ use super::calls::included_file;
 use super::embedded::EmbeddedProgram;
 use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
-use super::language::Language;
+use super::language::{Language, without_txt};
 use crate::files::open_regular;
 use sim_format::path::relocated_candidates;
 
@@ -185,7 +185,7 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
 fn program_name(path: &Path) -> String {
     // Resolves `.` and `..`, so that they get a name too.
     let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
+    let name = if absolute.is_dir() { absolute.file_name() } else { without_txt(&absolute).file_stem() };
     name.map_or_else(|| "program".into(), |name| name.to_string_lossy().into_owned())
 }
 
@@ -204,7 +204,9 @@ impl Finder<'_> {
     }
 
     fn find(&mut self, reference: &str) -> Option<ProgramSource> {
-        self.candidates(reference).into_iter().find_map(|path| self.search_at(&path))
+        let paths = self.candidates(reference);
+        let found = paths.iter().find_map(|path| self.search_at(path));
+        found.or_else(|| paths.iter().find_map(|path| self.source_with_txt(path)))
     }
 
     /// Searches for a path from another machine, or of another arrangement of folders, below the sim file's folder, then for all names without regard to upper and
@@ -320,6 +322,16 @@ impl Finder<'_> {
         None
     }
 
+    /// The source that was saved as `maze.c.txt` instead of `maze.c`, for the program `path`.
+    fn source_with_txt(&mut self, path: &Path) -> Option<ProgramSource> {
+        let sources = std::iter::once(path.to_owned()).chain(replacement_paths(path));
+        let is_source = |path: &PathBuf| Language::of(path).is_some() || has_extension(path, "py");
+        let mut renamed = sources.filter(is_source).map(|source| source.with_added_extension("txt"));
+        let (found, source) = renamed.find_map(|path| Some((path.clone(), self.program_at(&path).ok()?)))?;
+        self.notes.push(format!("`{}` is used for `{}`", found.display(), path.display()));
+        Some(source)
+    }
+
     /// The program at `path`; the error describes an unusable file or folder there (`None` if nothing is there).
     fn program_at(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
         let Ok(metadata) = fs::metadata(path) else { return Err(None) };
@@ -335,7 +347,7 @@ impl Finder<'_> {
         if Language::of(path).is_some() {
             return Ok(ProgramSource::of_files(vec![path.to_owned()]));
         }
-        if has_extension(path, "py") {
+        if is_python(path) {
             return Ok(ProgramSource::Python(path.to_owned()));
         }
         if let Some(language) = other_language(path) {
@@ -394,6 +406,10 @@ fn program_in_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     let entries = fs::read_dir(folder).map_err(|error| Some(format!("an unreadable folder ({error})")))?;
     let is_source = |path: &PathBuf| Language::of(path).is_some() && path.is_file();
     let mut sources: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_source).collect();
+    // Otherwise a copy `main.c.txt` would be compiled beside `main.c`.
+    if sources.iter().any(|source| !has_extension(source, "txt")) {
+        sources.retain(|source| !has_extension(source, "txt"));
+    }
     sources.sort();
     let included: BTreeSet<PathBuf> = sources.iter().flat_map(|source| included_sources(source)).collect();
     sources.retain(|source| !included.contains(source));
@@ -525,9 +541,16 @@ fn other_language(path: &Path) -> Option<&'static str> {
     }
 }
 
+/// Returns true for the name of a Python program, `maze.py` or `maze.py.txt`.
+fn is_python(path: &Path) -> bool {
+    has_extension(without_txt(path), "py")
+}
+
 fn looks_like_program(path: &Path) -> bool {
-    let has_program_extension = ["so", "py"].iter().any(|extension| has_extension(path, extension));
-    has_program_extension || Language::of(path).is_some() || path.is_dir() && path.join("Cargo.toml").is_file()
+    has_extension(path, "so")
+        || is_python(path)
+        || Language::of(path).is_some()
+        || path.is_dir() && path.join("Cargo.toml").is_file()
 }
 
 fn read_head(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -604,6 +627,28 @@ mod tests {
             ("sims/drive/map.c", b""),
         ]);
         folder.check("drive", &["sims/drive/main.c", "sims/drive/map.c"]);
+    }
+
+    #[test]
+    fn sources_saved_with_txt_are_found_last() {
+        let test_folder = TestFolder::with(&[
+            ("sims/go.c.txt", b""),
+            ("sims/turn.cpp.TXT", b""),
+            ("sims/walk.py.txt", b"from eye import *\n"),
+            ("sims/go2.c.txt", b""),
+            ("go2.c", b""),
+            ("sims/lab/main.c", b""),
+            ("sims/lab/main.c.txt", b""),
+        ]);
+        for reference in ["go.c", "go.x", "go"] {
+            let found = test_folder.check(reference, &["sims/go.c.txt"]);
+            assert!(found.name == "go" && found.notes[0].contains("sims/go.c.txt` is used for `"), "{found:?}");
+        }
+        assert_eq!(test_folder.check("turn.cpp.TXT", &["sims/turn.cpp.TXT"]).notes, [""; 0]);
+        let python = test_folder.check("walk.py", &["sims/walk.py.txt"]);
+        assert!(python.name == "walk" && matches!(python.source, ProgramSource::Python(_)), "{python:?}");
+        test_folder.check("go2.c", &["go2.c"]);
+        test_folder.check("lab", &["sims/lab/main.c"]);
     }
 
     #[test]

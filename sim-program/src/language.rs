@@ -15,9 +15,10 @@ impl Language {
     /// Both languages, C first.
     pub const ALL: [Self; 2] = [Self::C, Self::Cpp];
 
-    /// The language of the source at `path`, by its extension in either case; `None` for other files.
+    /// The language of the source at `path`, by its extension in either case; `None` for other files. A `.txt` after the extension,
+    /// which some editors add, does not count.
     pub fn of(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        let extension = without_txt(path).extension()?.to_str()?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|language| language.extensions().contains(&extension.as_str()))
     }
 
@@ -62,6 +63,13 @@ impl Language {
     }
 }
 
+/// The path, or only the name `maze.c` for a path `maze.c.txt` with a second extension.
+pub(crate) fn without_txt(path: &Path) -> &Path {
+    let is_txt = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"));
+    let stem = path.file_stem().map(Path::new).filter(|stem| is_txt && stem.extension().is_some());
+    stem.unwrap_or(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +88,8 @@ mod tests {
             ],
             [Some(Language::Cpp); 5]
         );
+        assert_eq!(["a/maze.c.txt", "maze.cpp.TXT"].map(language_of), [Some(Language::C), Some(Language::Cpp)]);
+        assert_eq!(["maze.txt", "c.txt", "a.c/maze.txt"].map(language_of), [None; 3]);
         assert_eq!([language_of("maze"), language_of("maze.h"), language_of("maze.py"), language_of(".c")], [None; 4]);
     }
 }

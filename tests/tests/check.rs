@@ -181,6 +181,27 @@ fn a_missing_program_is_a_warning_to_check_and_an_error_to_run() {
 }
 
 #[test]
+fn scenes_worlds_and_programs_saved_with_txt_are_read() {
+    let scratch = with(&[
+        ("a.sim.txt", "world w.wld\nS4 500 500 0 go.c\nS4 900 500 0 turn.py\n"),
+        ("w.wld.txt", "floor 2000 2000\n0 0 100 0 10 200 255\n"),
+        ("go.c.txt", "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100, 100);\n  return VWWait();\n}\n"),
+        ("turn.py.txt", "from eye import *\nprint(OSMachineID())\n"),
+    ]);
+    assert_eq!(codes(&scratch, "w.wld.txt"), ["wld-wall-arity"]);
+    let has_python = std::process::Command::new("python3").arg("-V").output().is_ok();
+    let sim = if has_python { "a.sim.txt" } else { "b.sim.txt" };
+    scratch.write("b.sim.txt", "world w.wld\nS4 500 500 0 go.c\n");
+    assert_eq!(codes(&scratch, sim), ["file-moved", "wld-wall-arity"]);
+    let ran = scratch.eyesim(&["run", sim]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert!(ran.stderr.contains("`go.c.txt` is used for `go.c`"), "{ran:#?}");
+    assert_eq!(scratch.eyesim(&["plot", sim, "-o", "a.svg"]).code, Some(0));
+    let listed = check(&scratch, &["."]).stdout;
+    assert!(listed.contains("w.wld.txt:2:1: warning[wld-wall-arity]"), "{listed}");
+}
+
+#[test]
 fn a_strict_run_does_not_start_with_a_warning() {
     let sim = "world a.wld\nrobi r.robi p.c 500 500 0\n";
     let robi =

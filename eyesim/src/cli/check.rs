@@ -17,6 +17,7 @@ use sim_host::program::Generation;
 use sim_host::program::language::Language;
 
 use sim_format::map::{WORLD_EXTENSIONS, load_scenarios};
+use sim_format::path::extension;
 use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
 
 use super::cc::parse_api;
@@ -125,8 +126,8 @@ pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find
 }
 
 fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-    match extension.to_lowercase().as_str() {
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    match extension(name).as_str() {
         "sim" => check_sim(name, overrides, files, find_program),
         "scen" => load_scenarios(name, files).1,
         extension if extension == "txt" || WORLD_EXTENSIONS.contains(&extension) => {
@@ -317,9 +318,7 @@ fn is_known(path: &Path) -> bool {
     name.ends_with(sim_format::SCENE_EXTENSION)
         || name.ends_with(SUITE_EXTENSION)
         || name.ends_with(sim_format::NOISE_EXTENSION)
-        || path
-            .extension()
-            .is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+        || EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(&extension(&name)))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::bail;
 use clap::Args;
 use sim_format::map::WORLD_EXTENSIONS;
+use sim_format::path::extension;
 use sim_format::{Loaded, MeshReader};
 use sim_host::files::DiskFiles;
 
@@ -58,8 +59,8 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
 /// Drawing of a file, and the diagnostics of all files read for it; no drawing if the file itself cannot be read.
 fn draw(name: &str, files: &DiskFiles) -> anyhow::Result<(Option<Drawing>, Loaded)> {
     let mut mesh_reader = MeshReader::new(files);
-    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-    let (drawing, mut loaded) = match extension.to_lowercase().as_str() {
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let (drawing, mut loaded) = match extension(name).as_str() {
         "sim" => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
         "toml" if is_scene(name, files) => draw_scene(sim_format::load_scene(name, files), &mut mesh_reader),
         extension if extension == "txt" || WORLD_EXTENSIONS.contains(&extension) => {

@@ -366,6 +366,20 @@ fn files_of_another_machine_are_found_beside_the_sim() {
 }
 
 #[test]
+fn files_saved_with_txt_are_read_by_the_extension_before_it() {
+    let files = Memory::new(&[
+        ("a.sim.txt", "world w.wld\nrobi S4.robi p.so 100 100 3\n"),
+        ("w.wld.txt", "floor 1000 1000\n0 0 1 0 10 200 255\n"),
+        ("S4.robi", S4),
+    ]);
+    let loaded = load_scene("a.sim.txt", &files);
+    assert_eq!(codes(&loaded.diagnostics), ["file-moved", "wld-wall-arity"]);
+    assert_eq!(loaded.diagnostics[0].message, "`w.wld` is not found; `w.wld.txt` is taken instead");
+    assert_eq!(loaded.scene.world.floor, DVec2::ONE);
+    assert_eq!(codes(&load_world("w.wld.txt", &files).diagnostics), ["wld-wall-arity"]);
+}
+
+#[test]
 fn robot_type_is_read_once_under_all_its_paths() {
     let files = Memory::new(&[
         ("a.sim", "world w.wld\nrobi S4.robi p.so 100 1 0\nrobi ./S4.robi p.so 300 2 0\nrobi S4.robi p.so 500 3 0\n"),

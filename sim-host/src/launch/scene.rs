@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use sim_core::spec::{CostsRef, Dialect, RobotSpec, SceneSpec};
+use sim_format::path::extension;
 use sim_format::suite::{check_of_suite, is_suite, read_suite};
 use sim_format::{Diagnostic, InputFile, Loaded, Severity, decode, is_scene, load_scene_with};
 
@@ -248,8 +249,8 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     if path.is_dir() {
         return Err(NotAScene::Folder(path_buf()));
     }
-    let extension = path.extension().unwrap_or_default();
-    if extension.eq_ignore_ascii_case("toml") {
+    let extension = extension(&path.to_string_lossy());
+    if extension == "toml" {
         // The reader reports a file that cannot be read.
         let text = read_regular(path).map(|bytes| decode(&bytes).0);
         let test = |is_kind: fn(&str, &str) -> bool| text.as_ref().map(|text| is_kind(&path.to_string_lossy(), text));
@@ -259,7 +260,7 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
         if !test(is_scene).unwrap_or(true) {
             return Err(NotAScene::OtherToml(path_buf()));
         }
-    } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
+    } else if !extension.is_empty() && extension != "sim" {
         return Err(NotAScene::OtherFile(path_buf()));
     }
     Ok(())
