@@ -15,7 +15,7 @@ use super::spec::{
 };
 use super::{
     CellRules, MeshReader, NoiseRef, Span, builtin, checks, clearance, faults, line, map, path, place, read_companion,
-    read_costs, read_esobj, read_noise, read_robi, read_sim, unknown_sensors,
+    read_costs, read_esobj, read_noise, read_robi, read_sim, types, unknown_sensors,
 };
 use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
@@ -527,20 +527,29 @@ impl<'a> Loader<'a> {
             return (!is_classic).then(empty_box);
         };
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
-        self.note_world_of_installation(&path, folder, &line.path.text);
+        if path::is_from_installation(&line.path.text, folder, &path, self.files.home()) {
+            self.tell_of_installation(&sim.file, folder, &line.path, (&path, &bytes));
+        }
         let rules = CellRules { dialect: sim.run.dialect, cell: line.cell };
         let world = map::read_world_file(self, &path, bytes, line.kind, rules);
         Some(WorldSpec { looks: line.looks, ..world })
     }
 
-    /// Notes that a scene in `folder`, outside of the installation, takes a world of the installation that it does not name as such.
-    fn note_world_of_installation(&mut self, path: &str, folder: &str, reference: &str) {
-        let Some(home) = self.files.home() else { return };
-        let is_inside =
-            |path: &str| path.strip_prefix(home).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
-        if is_inside(path) && !is_inside(folder) && !path::names_installation(reference) {
-            self.notes.push(format!("`{reference}` is not beside the scene: it is `{path}` of the installation"));
-        }
+    /// Notes that a file of the installation is used; warns if a file of this name with another content is near `folder`.
+    fn tell_of_installation(&mut self, file: &str, folder: &str, reference: &SpannedText, found: (&str, &[u8])) {
+        let (path, bytes) = found;
+        let name = path::file_name(&reference.text);
+        let is_other = |path: &String| self.files.read(&path::join(folder, path)).is_ok_and(|other| other != bytes);
+        let Some(nearby) = types::files_nearby(self.files, folder, name).into_iter().find(is_other) else {
+            self.notes.push(format!("{file}: `{}` is that of the installation, `{path}`", reference.text));
+            return;
+        };
+        let message = format!("`{}` is that of the installation, `{path}`, and not `{nearby}`", reference.text);
+        let mut sink = Sink::new(file);
+        let diagnostic =
+            sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file, or `%sim%/NAME`");
+        diagnostic.suggestion = Some(format!("write `{nearby}`, if that file is meant"));
+        self.diagnostics.extend(sink.finish());
     }
 
     /// Cost table of the scene `file`; reads it if `costs` refers to a file.

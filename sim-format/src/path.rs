@@ -104,6 +104,17 @@ pub(super) fn with_txt(path: &str) -> Option<String> {
     KINDS.contains(&extension(path).as_str()).then(|| format!("{path}.txt"))
 }
 
+/// Returns true if the file `found` for the reference `text` in `folder` is one of the installation `home`, although `text` is
+/// relative and `folder` is outside of the installation.
+pub(super) fn is_from_installation(text: &str, folder: &str, found: &str, home: Option<&str>) -> bool {
+    let text = text.replace('\\', "/");
+    if strip_installation(&text).is_some() || is_absolute(&text) {
+        return false;
+    }
+    let is_in_home = |path: &str| home.is_some_and(|home| path.starts_with(&join(home, "")));
+    is_in_home(found) && !is_in_home(&join(folder, &text)) && found != normalised(&text)
+}
+
 /// The path with another extension: `robis/S4.robi` with `toml` is `robis/S4.toml`.
 pub(super) fn with_extension(path: &str, extension: &str) -> String {
     let path = without_txt(path);

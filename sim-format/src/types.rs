@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::code::Code;
 use super::diagnostic::Sink;
-use super::load::Loader;
+use super::load::{Files, Loader};
 use super::spec::{ObjectType, RobiSpec, SceneFormat, SimSpec, SpannedText};
 use super::{Severity, Span, builtin, line, path, sim};
 
@@ -222,36 +222,57 @@ const MAX_FILES: usize = 200;
 /// Lines that would load the types in the files near `folder`, by the names of the types.
 fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
-    let (mut entries, mut files) = (0, 0);
+    let mut files = 0;
+    visit_nearby(loader.files, folder, |relative, name| {
+        let (keyword, read): (_, fn(&str, &str) -> String) = match path::extension(name).as_str() {
+            "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
+            "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
+            _ => return true,
+        };
+        files += 1;
+        if let Ok(bytes) = loader.files.read(&path::join(folder, relative)) {
+            let type_name = read(name, &super::decode(&bytes).0);
+            let quoted = if relative.contains(' ') { format!("\"{relative}\"") } else { relative.to_owned() };
+            lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
+        }
+        files < MAX_FILES
+    });
+    lines
+}
+
+/// Paths, relative to `folder`, of files near `folder` that have the name `wanted` in either case.
+pub(super) fn files_nearby(files: &dyn Files, folder: &str, wanted: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    visit_nearby(files, folder, |relative, name| {
+        if name.eq_ignore_ascii_case(wanted) {
+            found.push(relative.to_owned());
+        }
+        found.len() < MAX_FILES
+    });
+    found
+}
+
+/// Calls `visit` with the relative path and the name of each entry of the folders near `folder`, until it returns false.
+fn visit_nearby(files: &dyn Files, folder: &str, mut visit: impl FnMut(&str, &str) -> bool) {
+    let mut entries = 0;
     // Folders relative to the sim file's folder, with a slash at the end; the last is searched first.
     let tree = (1..=LEVELS_ABOVE).rev().flat_map(|up| TREE_FOLDERS.map(|name| format!("{}{name}/", "../".repeat(up))));
     let mut folders: Vec<(String, usize)> =
         tree.chain([String::new()]).map(|relative_folder| (relative_folder, DEPTH_BELOW)).collect();
     while let Some((relative_folder, depth)) = folders.pop() {
-        let mut names = loader.files.list(&path::join(folder, &relative_folder));
+        let mut names = files.list(&path::join(folder, &relative_folder));
         names.sort_unstable();
         for name in names {
             entries += 1;
-            if entries > MAX_ENTRIES || files > MAX_FILES {
-                return lines;
+            if entries > MAX_ENTRIES {
+                return;
             }
-            let extension = path::extension(&name);
-            if extension.is_empty() && depth > 0 {
+            if path::extension(&name).is_empty() && depth > 0 {
                 folders.push((format!("{relative_folder}{name}/"), depth - 1));
             }
-            let (keyword, read): (_, fn(&str, &str) -> String) = match extension.as_str() {
-                "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
-                "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
-                _ => continue,
-            };
-            files += 1;
-            let relative = format!("{relative_folder}{name}");
-            if let Ok(bytes) = loader.files.read(&path::join(folder, &relative)) {
-                let type_name = read(&name, &super::decode(&bytes).0);
-                let quoted = if relative.contains(' ') { format!("\"{relative}\"") } else { relative };
-                lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
+            if !visit(&format!("{relative_folder}{name}"), &name) {
+                return;
             }
         }
     }
-    lines
 }

@@ -202,6 +202,19 @@ fn scenes_worlds_and_programs_saved_with_txt_are_read() {
 }
 
 #[test]
+fn a_world_of_the_installation_is_told() {
+    let scratch = with(&[("a.sim", "world empty.wld\nS4 500 500 0\n")]);
+    let told = |ran: &Ran| (ran.stdout.clone() + &ran.stderr).contains("`empty.wld` is that of the installation, `");
+    assert!(told(&check(&scratch, &["a.sim", "--strict"])));
+    assert!(told(&scratch.eyesim(&["run", "a.sim", "-v", "--until", "1"])));
+    let quiet = scratch.eyesim(&["run", "a.sim", "--until", "1"]);
+    assert_eq!((quiet.code, told(&quiet)), (Some(0), false), "{quiet:#?}");
+    scratch.write("maps/empty.wld", GOOD);
+    let warned = scratch.eyesim(&["run", "a.sim", "--until", "1"]);
+    assert!(told(&warned) && warned.stderr.contains("write `maps/empty.wld`, if that file is meant"), "{warned:#?}");
+}
+
+#[test]
 fn a_strict_run_does_not_start_with_a_warning() {
     let sim = "world a.wld\nrobi r.robi p.c 500 500 0\n";
     let robi =

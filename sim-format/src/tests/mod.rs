@@ -380,6 +380,30 @@ fn files_saved_with_txt_are_read_by_the_extension_before_it() {
 }
 
 #[test]
+fn a_world_of_the_installation_is_noted_and_one_nearby_is_named() {
+    let load = |world: &str, near: &str, text: &str| {
+        let sim = format!("world {world}\nS4 500 500 0\n");
+        let installed = ("/home/eyesim/worlds/w.wld", "floor 1000 1000");
+        load_scene("x/sims/a.sim", &Memory::new(&[("x/sims/a.sim", &sim), installed, (near, text)]))
+    };
+    let alone = load("w.wld", "x/sims/v.wld", "");
+    assert_eq!(alone.diagnostics, []);
+    assert_eq!(alone.notes, ["x/sims/a.sim: `w.wld` is that of the installation, `/home/eyesim/worlds/w.wld`"]);
+    for near in ["x/sims/maps/w.wld", "x/worlds/W.wld"] {
+        let shadowed = load("w.wld", near, "floor 2000 1000");
+        assert_eq!(codes(&shadowed.diagnostics), ["file-moved"], "{near}");
+        let relative = if near.contains("maps") { "maps/w.wld" } else { "../worlds/W.wld" };
+        let expected = format!("write `{relative}`, if that file is meant");
+        assert_eq!(shadowed.diagnostics[0].suggestion, Some(expected));
+        assert_eq!(load("w.wld", near, "floor 1000 1000").diagnostics, [], "a copy");
+    }
+    let explicit = load("%sim%/worlds/w.wld", "x/worlds/w.wld", "floor 2000 1000");
+    assert_eq!((explicit.diagnostics, explicit.notes), (vec![], vec![]));
+    let own = load("../worlds/w.wld", "x/worlds/w.wld", "floor 2000 1000");
+    assert_eq!((own.diagnostics, own.notes), (vec![], vec![]));
+}
+
+#[test]
 fn robot_type_is_read_once_under_all_its_paths() {
     let files = Memory::new(&[
         ("a.sim", "world w.wld\nrobi S4.robi p.so 100 1 0\nrobi ./S4.robi p.so 300 2 0\nrobi S4.robi p.so 500 3 0\n"),

@@ -91,6 +91,11 @@ impl Scene {
         &self.loaded.diagnostics
     }
 
+    /// Notes on the interpretation and the places of the scene's files, a line each.
+    pub fn notes(&self) -> &[String] {
+        &self.loaded.notes
+    }
+
     /// The scene's files.
     pub fn inputs(&self) -> &[InputFile] {
         &self.loaded.inputs

@@ -38,6 +38,9 @@ use crate::plot;
 pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
     let scene = Scene::open(&args.sim, args.options())?;
     report_diagnostics(scene.diagnostics(), scene.inputs(), args.strict)?;
+    if args.verbose {
+        scene.notes().iter().for_each(say);
+    }
     if let Some(dialect) = scene.guessed_dialect().filter(|_| !args.quiet) {
         say(format_args!(
             "`{}` is written for EyeSim VR of 2018 (`robi` or `obj` loads a type): --dialect={} holds, --dialect=vr2023 changes that",
