@@ -1993,6 +1993,22 @@ def _hint_at_missing_parentheses(tree, file):
             _hint_at_missing_parentheses(statement, file)
 
 
+def _hint_at_own_eye(text, path):
+    """Reports a module `eye` beside a program that imports `eye`: the simulator's module is used instead."""
+    import re
+
+    folder = _os.path.dirname(path)
+    found = [name for name in ("eye.py", "eye/__init__.py") if _os.path.isfile(_os.path.join(folder, name))]
+    if not found or not re.search(rb"^[ \t]*(from|import)[ \t]+([\w.]+[ \t]*,[ \t]*)*eye\b", text, re.MULTILINE):
+        return
+    with open(_os.path.join(folder, found[0]), "rb") as file:
+        is_copy = file.read(100).startswith(b'"""RoBIOS-7 for ')
+    if not is_copy:
+        own = "`eye.py`" if found[0] == "eye.py" else "the folder `eye`"
+        text = f"`import eye` gives the simulator's module, not {own} beside the program: a module of your own needs another name"
+        _consoles[1].write(f"{_os.path.basename(path)}: hint: {text}\n")
+
+
 def _run(path):
     """Runs the program as `__main__` and returns its exit code."""
     import atexit
@@ -2008,6 +2024,7 @@ def _run(path):
             text = file.read()
         tree = compile(text, path, "exec", _AST_ONLY)
         _hint_at_missing_parentheses(tree, _os.path.basename(path))
+        _hint_at_own_eye(text, path)
         exec(compile(text, path, "exec"), module.__dict__)
 
     exit_code = _exit_code_of(program, path)

@@ -27,7 +27,12 @@ fn scratch(programs: &[&str]) -> Scratch {
 /// Lines of robot 1's standard output.
 fn said(scratch: &Scratch, args: &[&str], code: i32) -> Vec<String> {
     scratch.report("a.sim", &[args, &["--trace", "t.jsonl"]].concat(), code);
-    let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == 1;
+    said_as(scratch, "stdout")
+}
+
+/// Lines of robot 1's output in the last trace, on one stream.
+fn said_as(scratch: &Scratch, stream: &str) -> Vec<String> {
+    let is_said = |event: &&Value| event["event"] == stream && event["robot"] == 1;
     let text = |event: &Value| event["text"].as_str().expect("text").to_owned();
     scratch.trace("t.jsonl").iter().filter(is_said).map(text).collect()
 }
@@ -273,4 +278,29 @@ fn an_own_eye_py_beside_the_program_is_not_taken() {
     scratch.write("helper.py", "from eye import *\ndef ahead():\n    return PSDGet(PSD_FRONT) > 0\n");
     scratch.write("a.py", "import eye, helper\nprint(helper.ahead(), eye.OSMachineID())\n");
     assert_eq!(said(&scratch, &[], 0), ["True 1"]);
+    let hints = || said_as(&scratch, "stderr");
+    let hint = |own: &str| {
+        format!(
+            "a.py: hint: `import eye` gives the simulator's module, not {own} beside the program: a module of your own needs another name"
+        )
+    };
+    assert_eq!(hints(), [hint("`eye.py`")]);
+    std::fs::remove_file(scratch.path().join("eye.py")).expect("the module");
+    scratch.write("eye/__init__.py", "");
+    assert_eq!(said(&scratch, &[], 0), ["True 1"]);
+    assert_eq!(hints(), [hint("the folder `eye`")]);
+    scratch.write("a.py", "print('no robot')\n");
+    assert_eq!((said(&scratch, &[], 0), hints()), (vec!["no robot".to_owned()], vec![]));
+}
+
+#[test]
+fn a_copy_of_our_module_beside_the_program_needs_no_hint() {
+    if !has_python() {
+        return;
+    }
+    let scratch = Scratch::new();
+    let ran = scratch.eyesim(&["new", "mine", "--lang", "python", "--api", "7"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    let ran = scratch.eyesim(&["run", "mine/mine.sim", "--until", "5"]);
+    assert!(!ran.stderr.contains("hint: `import eye`"), "{ran:#?}");
 }
