@@ -1252,6 +1252,7 @@ def SERReceive(interface, buf=None, size=256):
 def AURecord(*arguments):
     """AURecord(time, freq) records the microphone: a value of 0 to 255 for each sample; AURecord(buf, time, freq) into a
     buffer. Times in milliseconds, rates in Hz."""
+    _expect("AURecord", len(arguments), (2, 3), "(time, freq) or (buf, time, freq)")
     *buf, time_ms, freq_hz = arguments
     freq_hz = _whole(freq_hz)
     size = max(0, _whole(time_ms) * freq_hz // 1000)
@@ -1290,6 +1291,7 @@ def RADIOSend(id, buf, size=None):
 def RADIOReceive(*arguments):
     """RADIOReceive(size=1024) waits for a message: address of its sender, and text; 0 and no text if the radio is off. Bytes
     that are not UTF-8, for example after bit errors, become the replacement character. RADIOReceive(id, buf, size) is as in C."""
+    _expect("RADIOReceive", len(arguments), (0, 1, 3), "(size) or (id, buf, size)")
     id, buf, size = (None, None) + (arguments or (1024,)) if len(arguments) < 2 else arguments
     sender, data, result = _call(_RADIOReceive, None, max(0, _whole(size)))
     if not (_is_output(id) or _is_output(buf)):
@@ -1317,13 +1319,21 @@ def SIMGetRobot(id=0, x=None, y=None, z=None, phi=None):
 
 
 def SIMSetRobot(*arguments):
-    """SIMSetRobot(id, x, y, z, phi) places a robot (0 is the calling robot); (x, y, z, phi) and (x, y, phi) place the calling robot."""
-    id, x, y, z, phi = _pose("SIMSetRobot", arguments, {5: (0, 1, 2, 3, 4), 4: (None, 0, 1, 2, 3), 3: (None, 0, 1, None, 2)})
-    _call(_SIMSetRobot, id, x, y, z, phi)
+    """SIMSetRobot(id, x, y, z, phi) places a robot (0 is the calling robot). Older programs leave out the id, if x is no number of a robot:
+    (x, y, z, phi) and (x, y, phi) place the calling robot."""
+    forms = {5: (0, 1, 2, 3, 4), 4: (None, 0, 1, 2, 3), 3: (None, 0, 1, None, 2)}
+    if len(arguments) in (3, 4) and -_LEAST_X < _int(arguments[0], -(1 << 31), (1 << 32) - 1, "SIMSetRobot") < _LEAST_X:
+        forms = {5: forms[5]}
+    _call(_SIMSetRobot, *_pose("SIMSetRobot", arguments, forms))
+
+
+# No robot has its centre closer to a wall at x = 0, in mm, and few scenes have so many robots.
+_LEAST_X = 80
 
 
 def SIMGetObject(id, *targets):
     """True pose of an object: x, y, phi, or x, y, z, phi for four names; the numbers of objects follow those of robots."""
+    _expect("SIMGetObject", 1 + len(targets), (1, 4, 5), "(id), (id, x, y, phi) or (id, x, y, z, phi)")
     written = _call(_SIMGetObject, id, None, None, None, None)
     if not any(_is_output(target) for target in targets):
         return _Object(written)
@@ -1335,10 +1345,16 @@ def SIMSetObject(*arguments):
     _call(_SIMSetObject, *_pose("SIMSetObject", arguments, {5: (0, 1, 2, 3, 4), 4: (0, 1, 2, None, 3)}))
 
 
+def _expect(name, count, counts, parameters):
+    """Raises an exception with the names of the parameters unless the number of arguments is one of `counts`."""
+    if count not in counts:
+        raise TypeError(f"{name}: expected {parameters}, got {count} argument{'' if count == 1 else 's'}")
+
+
 def _pose(name, arguments, forms):
     """Number and pose in the arguments, whose count must match one of the forms."""
-    if len(arguments) not in forms:
-        raise TypeError(f"{name}: expected {' or '.join(map(str, sorted(forms)))} arguments, got {len(arguments)}")
+    short = " or (id, x, y, phi)" if name == "SIMSetObject" else ""
+    _expect(name, len(arguments), forms, "(id, x, y, z, phi)" + short)
     return [0 if index is None else arguments[index] for index in forms[len(arguments)]]
 
 
@@ -1873,6 +1889,8 @@ def _advice(error, trace):
         return f"write `import {error.name}` as the first line"
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and not _os.path.isabs(error.filename):
         return f"relative paths begin in `{_os.getcwd()}`, the folder in which eyesim runs"
+    if isinstance(error, TypeError) and _signature_in(error):
+        return f"it is `{_signature_in(error)}`"
     if isinstance(error, TypeError) and "function' object is not subscriptable" in str(error):
         return "`[ ]` belongs to a list: a function is called with `( )`, as in `PSDGet(1)`"
     if isinstance(error, AttributeError) and str(error).startswith("'NoneType' object has no attribute '"):
@@ -1889,6 +1907,18 @@ def _advice(error, trace):
             return f"this Python is installed without its module `{module}`"
         return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
     return _missing_import(error, trace)
+
+
+def _signature_in(error):
+    """The call of the function of this module to which a program has given a wrong number of arguments; None for other errors."""
+    name, _, rest = str(error).partition("() ")
+    function = _functions.get(name) if rest.startswith(("missing ", "takes ", "got ")) else None
+    if function is None:
+        return None
+    function = getattr(function, "__wrapped__", function)
+    names = function.__code__.co_varnames[: function.__code__.co_argcount]
+    optional = len(function.__defaults__ or ())
+    return f"{name}({', '.join(names[: len(names) - optional])})"
 
 
 # Names of packages that differ from those of their modules.

@@ -120,6 +120,8 @@ const CASES: &[Case] = &[
         "mine.cpp",
         "#include \"eyebot.h\"\nint main(void)\n{\n  VWStraight(100);\n  return 0;\n}\n",
     ),
+    case("a value missing", "mine.py", "from eye import *\nVWStraight(100)\n"),
+    case("the height of a pose missing", "mine.py", "from eye import *\nSIMSetRobot(1, 700, 600, 90)\n"),
     case(
         "a variable not declared",
         "mine.c",

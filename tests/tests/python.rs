@@ -304,3 +304,35 @@ fn a_copy_of_our_module_beside_the_program_needs_no_hint() {
     let ran = scratch.eyesim(&["run", "mine/mine.sim", "--until", "5"]);
     assert!(!ran.stderr.contains("hint: `import eye`"), "{ran:#?}");
 }
+
+#[test]
+fn a_wrong_number_of_arguments_is_answered_by_the_names_of_the_parameters() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    let calls = [
+        ("SIMSetRobot(1, 700, 600, 90)", "SIMSetRobot: expected (id, x, y, z, phi), got 4 arguments"),
+        ("SIMSetRobot(0, 700, 90)", "SIMSetRobot: expected (id, x, y, z, phi), got 3 arguments"),
+        ("SIMSetRobot(1500)", "SIMSetRobot: expected (id, x, y, z, phi), got 1 argument"),
+        ("SIMSetObject(2, 5)", "SIMSetObject: expected (id, x, y, z, phi) or (id, x, y, phi), got 2 arguments"),
+        ("SIMGetObject(2, 5)", "SIMGetObject: expected (id), (id, x, y, phi) or (id, x, y, z, phi), got 2 arguments"),
+        ("RADIOReceive(1, 2)", "RADIOReceive: expected (size) or (id, buf, size), got 2 arguments"),
+        ("AURecord(100)", "AURecord: expected (time, freq) or (buf, time, freq), got 1 argument"),
+    ];
+    let program: String = calls
+        .iter()
+        .map(|(call, _)| {
+            format!("try:\n    {call}\n    print('accepted')\nexcept TypeError as error:\n    print(error)\n")
+        })
+        .collect();
+    let forms =
+        "SIMSetRobot(1500, 1200, 0, 90)\nprint(SIMGetRobot(0))\nSIMSetRobot(1200, 1500, 45)\nprint(SIMGetRobot(0))\n";
+    scratch.write("a.py", &format!("from eye import *\n{program}{forms}VWTurn(90, 45, 1)\n"));
+    let said = said(&scratch, &[], 1);
+    let expected: Vec<&str> = calls.iter().map(|(_, message)| *message).collect();
+    assert_eq!(said[..calls.len()], expected);
+    assert_eq!(said[calls.len()..], ["(1500, 1200, 0, 90)", "(1200, 1500, 0, 45)"]);
+    let error = said_as(&scratch, "stderr").pop().unwrap_or_default();
+    assert!(error.starts_with("TypeError: ") && error.ends_with(": it is `VWTurn(angle, ang_speed)`"), "{error}");
+}
