@@ -1878,6 +1878,8 @@ def _advice(error, trace):
         return f"the program has {arguments}: `--args` gives it some, as in `--args VALUE`"
     if isinstance(error, IndexError) and "index out of range" in str(error):
         return "the last index is one less than the length, len(...) - 1"
+    if isinstance(error, SyntaxError) and "unicodeescape" in str(error):
+        return r"`\U`, `\x` and `\N` in a text begin a character's number: write `/` between folders"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
         return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
     if isinstance(error, SyntaxError) and error.text and not isinstance(error, IndentationError):
@@ -1887,8 +1889,8 @@ def _advice(error, trace):
         return f"a function that sets a variable of the program begins with `global {name}`"
     if isinstance(error, NameError) and getattr(error, "name", None) in getattr(_sys, "stdlib_module_names", ()):
         return f"write `import {error.name}` as the first line"
-    if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and not _os.path.isabs(error.filename):
-        return f"relative paths begin in `{_os.getcwd()}`, the folder in which eyesim runs"
+    if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and error.filename:
+        return _advice_on_path(error.filename)
     if isinstance(error, TypeError) and _signature_in(error):
         return f"it is `{_signature_in(error)}`"
     if isinstance(error, TypeError) and "function' object is not subscriptable" in str(error):
@@ -1907,6 +1909,42 @@ def _advice(error, trace):
             return f"this Python is installed without its module `{module}`"
         return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
     return _missing_import(error, trace)
+
+
+# Characters to which Python converts a backslash and the letter after it.
+_ESCAPES = {"\a": "/a", "\b": "/b", "\f": "/f", "\n": "/n", "\r": "/r", "\t": "/t", "\v": "/v", "\\": "/"}
+
+
+def _advice_on_path(name):
+    """Where a file was looked for that does not exist, and what to write instead of a path of Windows; None for other absolute paths."""
+    path = "".join(_ESCAPES.get(letter, letter) for letter in name)
+    has_drive = path[1:2] == ":" and path[:1].isalpha()
+    place = f"relative paths begin in `{_os.getcwd()}`, the folder in which eyesim runs"
+    beside = _file_beside(path)
+    if path == name and _os.path.isabs(name):
+        return None if beside is None else f"write `{beside}`, which is beside the program"
+    if path == name and not has_drive:
+        return place if beside is None else f"{place}; write `{beside}`, which is beside the program"
+    cause = f"there is no drive `{path[:2]}` here" if has_drive else "`/` stands between folders, not a backslash"
+    there = path[2:].lstrip("/") if has_drive else path
+    for part in range(there.count("/") + 1 if has_drive else 1):
+        rest = there.split("/", part)[-1]
+        if _os.path.exists(rest):
+            return f"{cause}: write `{rest}`"
+    if beside is not None:
+        return f"{cause}: write `{beside}`, which is beside the program"
+    instead = "a path from" if has_drive else f"`{path}`; relative paths begin in"
+    return f"{cause}: write {instead} `{_os.getcwd()}`, the folder in which eyesim runs"
+
+
+def _file_beside(path):
+    """Path, from the working folder if it is there, of a file of this name beside the program; None if there is none."""
+    folder = _os.path.dirname(_os.path.abspath(getattr(_sys.modules["__main__"], "__file__", None) or ""))
+    found = _os.path.join(folder, path.rsplit("/", 1)[-1])
+    if not _os.path.isfile(found):
+        return None
+    relative = _os.path.relpath(found)
+    return found if relative.startswith("..") else relative
 
 
 def _signature_in(error):

@@ -640,6 +640,9 @@ const CASES: &[Case] = &[
     ),
     case("a file that does not exist", "mine.py", "print(open(\"map.txt\").read())\n"),
     case("a file that does not exist", "mine", "println!(\"{}\", std::fs::read_to_string(\"map.txt\").unwrap());"),
+    case("a path of Windows", "mine.py", "print(open(\"..\\\\maps\\\\map.txt\").read())\n"),
+    case("a path with a drive", "mine.py", "print(open(r\"C:\\maps\\map.txt\").read())\n"),
+    case("a path with `\\U`", "mine.py", "print(open(\"C:\\Users\\me\\map.txt\").read())\n"),
     case(
         "a file of a program that goes on",
         "mine.cpp",

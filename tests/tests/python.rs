@@ -336,3 +336,47 @@ fn a_wrong_number_of_arguments_is_answered_by_the_names_of_the_parameters() {
     let error = said_as(&scratch, "stderr").pop().unwrap_or_default();
     assert!(error.starts_with("TypeError: ") && error.ends_with(": it is `VWTurn(angle, ang_speed)`"), "{error}");
 }
+
+#[test]
+fn a_file_that_open_does_not_find_is_answered_by_its_folder_and_name() {
+    if !has_python() {
+        return;
+    }
+    let scratch = Scratch::new();
+    scratch.write("lab/a.sim", "world %sim%/worlds/empty.wld\nS4 500 500 0 a.py\n");
+    scratch.write("lab/map.txt", "1\n");
+    scratch.write("maps/map.txt", "1\n");
+    let here = scratch.path().canonicalize().expect("the folder").display().to_string();
+    let place = format!("relative paths begin in `{here}`, the folder in which eyesim runs");
+    let beside = "write `lab/map.txt`, which is beside the program";
+    for (path, advice) in [
+        ("gone.txt", place.clone()),
+        ("map.txt", format!("{place}; {beside}")),
+        ("data/map.txt", format!("{place}; {beside}")),
+        ("/no/map.txt", beside.to_owned()),
+        (r"maps\\map.txt", "`/` stands between folders, not a backslash: write `maps/map.txt`".to_owned()),
+        (
+            r"..\\maps\\gone.txt",
+            format!(
+                "`/` stands between folders, not a backslash: write `../maps/gone.txt`; relative paths begin in `{here}`, the folder in which eyesim runs"
+            ),
+        ),
+        (
+            r"d\t.txt",
+            format!(
+                "`/` stands between folders, not a backslash: write `d/t.txt`; relative paths begin in `{here}`, the folder in which eyesim runs"
+            ),
+        ),
+        (r"C:\\eyesim\\maps\\map.txt", "there is no drive `C:` here: write `maps/map.txt`".to_owned()),
+        ("D:/x/map.txt", format!("there is no drive `D:` here: {beside}")),
+        (
+            "D:/x/gone.txt",
+            format!("there is no drive `D:` here: write a path from `{here}`, the folder in which eyesim runs"),
+        ),
+    ] {
+        scratch.write("lab/a.py", &format!("open('{path}')\n"));
+        let ran = scratch.eyesim(&["run", "lab/a.sim"]);
+        let line = ran.stderr.lines().find(|line| line.contains("FileNotFoundError: ")).unwrap_or_default();
+        assert!(line.ends_with(&format!("': {advice}")), "{path}: {ran:#?}");
+    }
+}
