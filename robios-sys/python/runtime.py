@@ -842,6 +842,25 @@ def _hint_at_truncation(name, value):
         _call(_support_hint, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
 
 
+def _is_in_radians(angle):
+    """True for a fraction close to a multiple of pi / 12, up to a full turn: 1.57, but not 2.5."""
+    twelfths = abs(angle) * 12 / 3.141592653589793
+    is_close = abs(twelfths - round(twelfths)) < 0.001 * twelfths
+    return is_close and abs(angle) < 6.4 and not (2 * angle).is_integer()
+
+
+_has_hinted_at_radians = False
+
+
+def _hint_at_radians(angle):
+    """Prints a hint, once in each program, that an angle is in radians."""
+    global _has_hinted_at_radians
+    if not _has_hinted_at_radians:
+        _has_hinted_at_radians = True
+        degrees = round(angle * 12 / 3.141592653589793) * 15
+        _call(_support_hint, f"`VWTurn`: {angle:g} becomes {int(angle)}: RoBIOS-7 takes degrees, not radians: write `{degrees}`".encode())
+
+
 def _request(row, values, frame=None):
     """Executes a call, at the place in the program of `frame`, by default of the running thread."""
     global _callback_error, _is_stopped, _poll_count
@@ -860,6 +879,8 @@ def _request(row, values, frame=None):
             number = _int(value, -(1 << 31), (1 << 32) - 1, name)
             if number == 0 and isinstance(value, float) and value != 0:
                 _hint_at_truncation(name, value)
+            elif name == "VWTurn" and value is values[0] and isinstance(value, float) and _is_in_radians(value):
+                _hint_at_radians(value)
             body.append(_struct.pack("<I", number & 0xFFFFFFFF))
         elif kind in "tb":
             body.append(_bytes(value, name))

@@ -69,7 +69,10 @@ pub fn without_harmless_warnings(output: &str) -> String {
         if text.contains(": warning: ") {
             let is_joined_text =
                 lines.get(index + 1).is_some_and(|code| code.contains("\" + ") && !code.contains("c_str()"));
-            is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ")
+            let is_turn = || lines.get(index + 1).is_some_and(|code| code.contains("VWTurn"));
+            is_dropped = text.ends_with("[-Wfloat-conversion]")
+                && !text.contains(" to '0' ")
+                && !(changed_value(text).is_some_and(|(number, _)| is_in_radians(number)) && is_turn())
                 || text.ends_with("[-Wformat-security]") && !is_joined_text
                 || text.ends_with("[-Wincompatible-pointer-types]") && passes_array(&lines[index + 1..]);
             is_any_dropped |= is_dropped;
@@ -91,8 +94,26 @@ pub fn without_harmless_warnings(output: &str) -> String {
     kept
 }
 
-/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its
-/// elements are those of the parameter.
+/// The number in a warning that a conversion changes it, and the text of the number that it becomes.
+fn changed_value(text: &str) -> Option<(f64, &str)> {
+    let (_, values) = text.split_once(" changes value from ")?;
+    let (from, to) = values.split_once(" to ")?;
+    let number = from.trim_matches('\'').trim_end_matches('f').parse().ok()?;
+    Some((number, to.split_whitespace().next()?.trim_matches('\'')))
+}
+
+/// Angles in radians are usually multiples of this one, 15 degrees.
+const RADIANS_STEP: f64 = std::f64::consts::PI / 12.0;
+
+/// Returns true for a fraction close to a multiple of [`RADIANS_STEP`], up to a full turn: 1.57, but not 2.5. `eye.py` has the same rule.
+fn is_in_radians(angle: f64) -> bool {
+    let steps = angle.abs() / RADIANS_STEP;
+    let is_close = (steps - steps.round()).abs() < 0.001 * steps;
+    is_close && angle.abs() < 6.4 && (2.0 * angle).fract() != 0.0
+}
+
+/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its elements are those
+/// of the parameter.
 fn passes_array(lines: &[&str]) -> bool {
     let mut details = lines.iter().take_while(|line| !line.contains(": warning: ") && !line.contains(": error: "));
     let types = details.find_map(|line| line.split_once("note: expected '")?.1.split_once(" but argument is of type "));
@@ -382,11 +403,14 @@ impl Message<'_> {
             }
             text if text.contains("invokes undefined behavior") => self.overrun_by_loop(),
             text if text.contains(" changes value from ") => {
-                let (_, values) = text.split_once(" changes value from ")?;
-                let (from, to) = values.split_once(" to ")?;
-                let number: f64 = from.trim_matches('\'').trim_end_matches('f').parse().ok()?;
-                let is_zero = to.split_whitespace().next()?.trim_matches('\'') == "0";
-                (is_zero && number.is_finite()).then(|| {
+                let (number, to) = changed_value(text)?;
+                if to != "0" {
+                    return is_in_radians(number).then(|| {
+                        let degrees = (number / RADIANS_STEP).round() * 15.0;
+                        format!("{number:.3} becomes {to} here: RoBIOS-7 takes degrees, not radians: write `{degrees}`")
+                    });
+                }
+                number.is_finite().then(|| {
                     format!("{number} becomes 0 here: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`")
                 })
             }
@@ -1593,6 +1617,10 @@ mod tests {
                 "conversion from 'double' to 'int' changes value from '2.9999999999999999e-1' to '0' [-Wfloat-conversion]",
                 "0.3 becomes 0 here: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`",
             ),
+            (
+                "conversion from 'double' to 'int' changes value from '-1.5707963267948966e+0' to '-1' [-Wfloat-conversion]",
+                "-1.571 becomes -1 here: RoBIOS-7 takes degrees, not radians: write `-90`",
+            ),
         ];
         for (warning, words) in warnings {
             check(
@@ -1924,6 +1952,17 @@ mod tests {
                     a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
         assert_eq!(without_harmless_warnings(output), kept);
         assert_eq!(without_harmless_warnings(kept), kept);
+        let turn = |angle: &str| {
+            format!(
+                "a.c:5:3: warning: conversion from 'double' to 'int' changes value from '{angle}' to '1' [-Wfloat-conversion]\n    5 |   VWTurn(a, 1);\n"
+            )
+        };
+        for (angle, is_kept) in
+            [("1.5707963267948966e+0", true), ("1.57e+0", true), ("-4.71e+0", true), ("1.5e+0", false)]
+        {
+            assert_eq!(without_harmless_warnings(&turn(angle)) == turn(angle), is_kept, "{angle}");
+        }
+        assert_eq!(without_harmless_warnings(&turn("1.57e+0").replace("VWTurn", "VWStraight")), "");
         let array = "a.c: In function 'main':\n\
                      a.c:5:36: warning: passing argument 1 of 'CAMGet' from incompatible pointer type [-Wincompatible-pointer-types]\n    5 | CAMGet(img);\n      |        ^~~\n\
                      In file included from a.c:1:\n\

@@ -123,6 +123,17 @@ const CASES: &[Case] = &[
     case("a value missing", "mine.py", "from eye import *\nVWStraight(100)\n"),
     case("the height of a pose missing", "mine.py", "from eye import *\nSIMSetRobot(1, 700, 600, 90)\n"),
     case(
+        "a turn in radians",
+        "mine.c",
+        "#include \"eyebot.h\"\n#include <math.h>\nint main(void)\n{\n  VWTurn(M_PI / 2, 1);\n  return VWWait();\n}\n",
+    ),
+    case(
+        "a turn in radians",
+        "mine.cpp",
+        "#include \"eyebot.h\"\n#include <cmath>\nint main()\n{\n  VWTurn(M_PI / 2, 1);\n  VWWait();\n}\n",
+    ),
+    case("a turn in radians", "mine.py", "from eye import *\nVWTurn(1.57, 1)\nVWWait()\n"),
+    case(
         "a variable not declared",
         "mine.c",
         "#include \"eyebot.h\"\nint main(void)\n{\n  speed = 300;\n  return VWSetSpeed(speed, 0);\n}\n",

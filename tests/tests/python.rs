@@ -380,3 +380,26 @@ fn a_file_that_open_does_not_find_is_answered_by_its_folder_and_name() {
         assert!(line.ends_with(&format!("': {advice}")), "{path}: {ran:#?}");
     }
 }
+
+#[test]
+fn only_turns_by_a_part_of_pi_are_taken_for_radians() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    let hints = |calls: &str| {
+        scratch.write("a.py", &format!("from eye import *\nimport math\n{calls}VWWait()\n"));
+        let ran = scratch.eyesim(&["run", "a.sim"]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        ran.stderr.lines().filter(|line| line.contains("not radians")).count()
+    };
+    for radians in ["VWTurn(math.pi / 2, 1)\n", "VWTurn(1.57, 1)\nVWTurn(3.14, 1)\n", "VWTurn(-4.71, 3)\n"] {
+        assert_eq!(hints(radians), 1, "{radians}");
+    }
+    for degrees in
+        ["VWTurn(3, 3)\n", "VWTurn(2.5, 5)\n", "VWTurn(5.5, 1.57)\n", "for i in range(5): VWTurn(3, 3); VWWait()\n"]
+    {
+        assert_eq!(hints(degrees), 0, "{degrees}");
+    }
+    assert_eq!(hints("for i in range(4): VWStraight(100, 100); VWWait(); VWTurn(2, 1); VWWait()\n"), 1);
+}

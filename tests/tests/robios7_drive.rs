@@ -160,7 +160,8 @@ fn what_cannot_be_driven_is_refused_and_explained() {
     let ran = messages(
         "int main(void)\n{\n    IS(VWStraight(0.3, 0.2), 1); IS(VWTurn(90, 0), 1); IS(VWCurve(0, 90, 100), 1); \
                         IS(VWDrive(100, 0, 0), 1);\n    IS(VWDone(), 1); IS(VWControl(70, 30, 70, 10), 0); \
-                        IS(VWControl(70, 0, 70, 10), 1); IS(VWControlOff(), 0);\n    VWStraight(1, 1); VWWait(); VWTurn(3, 1); VWWait(); \
+                        IS(VWControl(70, 0, 70, 10), 1); IS(VWControlOff(), 0);\n    VWStraight(1, 1); VWWait(); for (int i = 0; i < 4; i++) { VWTurn(2, 1); VWWait(); \
+                        VWStraight(1, 1); VWWait(); } \
                         VWStraight(300, 100); VWTurn(90, 90); VWWait();\n    return 0;\n}\n",
     );
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -179,7 +180,8 @@ fn what_cannot_be_driven_is_refused_and_explained() {
 fn a_good_program_gets_no_hint() {
     let ran = messages(
         "int main(void)\n{\n    int d[360];\n    VWStraight(1000, 200); while (!VWDone()) { if (PSDGet(PSD_FRONT) < 2500) break; \
-                        LIDARGet(d); }\n    VWTurn(90, 60); VWWait(); VWSetSpeed(100, 10); rest(); VWSetSpeed(0, 0); return 0;\n}\n",
+                        LIDARGet(d); }\n    for (int i = 0; i < 4; i++) { VWTurn(3, 3); VWWait(); } VWTurn(90, 60); VWWait(); \
+                        VWSetSpeed(100, 10); rest(); VWSetSpeed(0, 0); return 0;\n}\n",
     );
     assert_eq!((ran.code, ran.stderr.contains("hint")), (Some(0), false), "{ran:#?}");
 }

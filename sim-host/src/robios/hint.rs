@@ -36,7 +36,7 @@ pub enum Mistake {
     Unopened,
     /// A number of a drive of RoBIOS-7 is the integer to which C converts NaN.
     NoNumber,
-    /// A turn of RoBIOS-7 by a few degrees at a few degrees per second.
+    /// Turns of RoBIOS-7 by a few degrees at a few degrees per second, with drives between them.
     Radians,
     /// A drive replaces a drive that has just started.
     MissingWait,
@@ -46,11 +46,26 @@ pub enum Mistake {
     IgnoredFailure,
 }
 
+/// Number of small turns, with drives between them, after which a program probably means radians.
+const SMALL_TURNS: u32 = 3;
+
 /// Hints that a robot has been given, and failures of its calls.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     reported: Vec<Mistake>,
     failures: BTreeMap<Call, u32>,
+    turns: Turns,
+}
+
+/// Turns of a program that may be meant in radians.
+#[derive(Clone, Copy, Debug, Default)]
+struct Turns {
+    /// Number of small turns that follow a drive.
+    small: u32,
+    /// True if the program has driven since its last turn.
+    has_driven: bool,
+    /// True if the program has turned by more than a small angle, so that it means degrees.
+    has_large: bool,
 }
 
 impl Hints {
@@ -61,6 +76,21 @@ impl Hints {
             self.reported.push(mistake);
         }
         is_first
+    }
+
+    /// Counts a turn; returns true if all turns so far are small and the third one follows a drive. Small turns without drives
+    /// between them are usually a scan or a correction of the heading.
+    pub fn count_turn(&mut self, is_small: bool) -> bool {
+        let turns = &mut self.turns;
+        turns.has_large |= !is_small;
+        turns.small += u32::from(is_small && turns.has_driven);
+        turns.has_driven = false;
+        !turns.has_large && turns.small >= SMALL_TURNS
+    }
+
+    /// Records that the program drives other than by a turn on the spot.
+    pub fn note_drive(&mut self) {
+        self.turns.has_driven = true;
     }
 
     /// Returns true if `call` has not failed yet.
@@ -99,7 +129,9 @@ impl Mistake {
                 "`PSDGet` before a first measurement gives 9999: call `PSDStart(handle, TRUE)` and wait 60 ms"
             }
             Self::Metres => "a drive of less than 5 mm at less than 5 mm/s: RoBIOS-7 takes millimetres, not metres",
-            Self::Radians => "a turn by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians",
+            Self::Radians => {
+                "all turns are by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians: a quarter turn is `VWTurn(90, 45)`"
+            }
             Self::NoLength => {
                 "a drive of 0 m goes nowhere; in C, whole numbers divided give a whole number: 1/2 is 0, 1.0/2 is 0.5"
             }
@@ -131,5 +163,21 @@ mod tests {
             (1..=300).filter(|_| hints.count_failure(Robios6Call::MOTORDrive.into()).is_some()).collect();
         assert_eq!(hinted, [100]);
         assert!(hints.is_first(Mistake::PsdBusy) && !hints.is_first(Mistake::PsdBusy));
+    }
+
+    #[test]
+    fn only_small_turns_between_drives_are_probably_in_radians() {
+        let drive_and_turn = |hints: &mut Hints, is_small| {
+            hints.note_drive();
+            hints.count_turn(is_small)
+        };
+        let mut square = Hints::default();
+        assert_eq!([1, 2, 3, 4].map(|_| drive_and_turn(&mut square, true)), [false, false, true, true]);
+        let mut scan = Hints::default();
+        scan.note_drive();
+        assert_eq!([1, 2, 3, 4].map(|_| scan.count_turn(true)), [false; 4]);
+        let mut degrees = Hints::default();
+        drive_and_turn(&mut degrees, false);
+        assert_eq!([1, 2, 3, 4].map(|_| drive_and_turn(&mut degrees, true)), [false; 4]);
     }
 }

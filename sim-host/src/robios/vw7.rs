@@ -18,12 +18,13 @@ use sim_core::record::Event;
 /// If a length and a speed are both below this limit, they are probably in metres.
 const SHORT_MM: i32 = 5;
 
-/// If an angle and a turning speed are both at most this limit, they are probably in radians.
+/// If all angles and turning speeds of a program are at most this limit, they are probably in radians.
 const SMALL_DEGREES: i32 = 6;
 
 /// `VWSetSpeed`
 pub fn set_speed(robot: &mut Robot, world: &World, v_mm: i32, omega_degrees: i32) -> i32 {
     hint_at_nan(robot, &[v_mm, omega_degrees]);
+    robot.robios.hints.note_drive();
     let outcome = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
     robot.answer_call(Call::VWSetSpeed, 1, outcome)
 }
@@ -64,7 +65,8 @@ pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -
 /// `VWTurn`: the direction is the sign of `angle_degrees`; the sign of the rate is ignored.
 pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees: i32) -> i32 {
     let is_small = |degrees: i32| (1..=SMALL_DEGREES).contains(&degrees.saturating_abs());
-    if is_small(angle_degrees) && is_small(omega_degrees) {
+    let is_turn = angle_degrees != 0 && omega_degrees != 0;
+    if is_turn && robot.robios.hints.count_turn(is_small(angle_degrees) && is_small(omega_degrees)) {
         robot.hint_at(Mistake::Radians);
     }
     hint_at_nan(robot, &[angle_degrees, omega_degrees]);
@@ -133,6 +135,9 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
 
 /// Starts a drive that takes |`seconds`|.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
+    if call != Call::VWTurn {
+        robot.robios.hints.note_drive();
+    }
     match vw::start_drive(robot, world, displacement, seconds, (event, Call::VWWait.name())) {
         Ok(()) => 0,
         Err(DriveRefusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
