@@ -535,7 +535,8 @@ impl<'a> Loader<'a> {
         Some(WorldSpec { looks: line.looks, ..world })
     }
 
-    /// Notes that a file of the installation is used; warns if a file of this name with another content is near `folder`.
+    /// Notes that a file of the installation is used; warns if a file of this name with another content is near
+    /// `folder`.
     fn tell_of_installation(&mut self, file: &str, folder: &str, reference: &SpannedText, found: (&str, &[u8])) {
         let (path, bytes) = found;
         let name = path::file_name(&reference.text);

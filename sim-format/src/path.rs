@@ -46,11 +46,12 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
-/// Candidates for an absolute path `text` from another machine, or for a relative path that leads through other folders, as in
-/// `../worlds/a.wld`; empty for a bare file name and for a path that begins with `%sim%`.
+/// Candidates for an absolute path `text` from another machine, or for a relative path that leads through other
+/// folders, as in `../worlds/a.wld`; empty for a bare file name and for a path that begins with `%sim%`.
 ///
 /// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
-/// below the installation and its folders `worlds` and `robis`. The bare file name is not searched for in the folders above.
+/// below the installation and its folders `worlds` and `robis`. The bare file name is not searched for in the folders
+/// above.
 pub fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let is_step = |part: &&str| !["", ".", ".."].contains(part);
@@ -81,7 +82,8 @@ pub fn folder_of(path: &str) -> &str {
     }
 }
 
-/// Extensions, in lower case, that determine the kind of a file even with `.txt` after them, which editors and mail programs add.
+/// Extensions, in lower case, that determine the kind of a file even with `.txt` after them, which editors and mail
+/// programs add.
 const KINDS: [&str; 8] = ["sim", "wld", "maz", "maze", "robi", "esobj", "toml", "num"];
 
 /// Extension of a path in lower case, without the dot; empty if it has none. That of `a.wld.txt` is `wld`.
@@ -99,13 +101,14 @@ fn without_txt(path: &str) -> &str {
     if file_name(rest).rsplit_once('.').is_some_and(has_kind) { rest } else { path }
 }
 
-/// The path of the file `path` that was saved with `.txt` after its extension; `None` for extensions to which this does not happen.
+/// The path of the file `path` that was saved with `.txt` after its extension; `None` for extensions to which this does
+/// not happen.
 pub(super) fn with_txt(path: &str) -> Option<String> {
     KINDS.contains(&extension(path).as_str()).then(|| format!("{path}.txt"))
 }
 
-/// Returns true if the file `found` for the reference `text` in `folder` is one of the installation `home`, although `text` is
-/// relative and `folder` is outside of the installation.
+/// Returns true if the file `found` for the reference `text` in `folder` is one of the installation `home`, although
+/// `text` is relative and `folder` is outside of the installation.
 pub(super) fn is_from_installation(text: &str, folder: &str, found: &str, home: Option<&str>) -> bool {
     let text = text.replace('\\', "/");
     if strip_installation(&text).is_some() || is_absolute(&text) {

@@ -252,7 +252,8 @@ pub(super) fn files_nearby(files: &dyn Files, folder: &str, wanted: &str) -> Vec
     found
 }
 
-/// Calls `visit` with the relative path and the name of each entry of the folders near `folder`, until it returns false.
+/// Calls `visit` with the relative path and the name of each entry of the folders near `folder`, until it returns
+/// false.
 fn visit_nearby(files: &dyn Files, folder: &str, mut visit: impl FnMut(&str, &str) -> bool) {
     let mut entries = 0;
     // Folders relative to the sim file's folder, with a slash at the end; the last is searched first.

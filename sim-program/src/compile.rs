@@ -103,7 +103,8 @@ pub struct Compilation<'a> {
     pub kit_folder: &'a Path,
     /// Absolute paths of the sources; the extension of each determines its language.
     pub sources: &'a [PathBuf],
-    /// Further compiler flags of the user; they follow all other flags. Those of libraries (`-l`, `-L`, `-Wl,`) are flags of the link.
+    /// Further compiler flags of the user; they follow all other flags. Those of libraries (`-l`, `-L`, `-Wl,`) are
+    /// flags of the link.
     pub extra_flags: &'a [String],
     /// Folder for object files and the library.
     pub folder: &'a Path,

@@ -153,8 +153,8 @@ fn quoted(names: &[String]) -> String {
 /// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
 /// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
 /// sources from which a `Makefile` beside it builds it, then the sources and libraries of the same name in its folder.
-/// If nothing is found, paths through folders are searched below the sim file's folder, as those of worlds are, and then all
-/// names without regard to upper and lower case.
+/// If nothing is found, paths through folders are searched below the sim file's folder, as those of worlds are, and
+/// then all names without regard to upper and lower case.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.
@@ -209,8 +209,8 @@ impl Finder<'_> {
         found.or_else(|| paths.iter().find_map(|path| self.source_with_txt(path)))
     }
 
-    /// Searches for a path from another machine, or of another arrangement of folders, below the sim file's folder, then for all names without regard to upper and
-    /// lower case.
+    /// Searches for a path from another machine, or of another arrangement of folders, below the sim file's folder,
+    /// then for all names without regard to upper and lower case.
     fn find_elsewhere(&mut self, reference: &str) -> Option<ProgramSource> {
         let attempt_count = self.attempts.len();
         let text = |path: &Path| path.to_str().map(str::to_owned);

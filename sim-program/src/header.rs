@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// A library whose headers programs include: beginnings of their names, its name, its package in Debian, and the flags for `$EYESIM_CFLAGS`.
+/// A library whose headers programs include: beginnings of their names, its name, its package in Debian, and the flags
+/// for `$EYESIM_CFLAGS`.
 struct Library {
     headers: &'static [&'static str],
     name: &'static str,
@@ -43,8 +44,8 @@ pub fn library_hint(missing: &str) -> Option<String> {
     ))
 }
 
-/// Advice on a file like `missing` in the folder of `source` or below it, as the text after the source's name: one with the same name in
-/// another folder, or with a name in other case.
+/// Advice on a file like `missing` in the folder of `source` or below it, as the text after the source's name: one with
+/// the same name in another folder, or with a name in other case.
 pub fn nearby_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().filter(|name| !name.is_empty())?;
     let found = find_below(source.parent()?, name, &mut 0, MAX_DEPTH)?;
@@ -52,7 +53,8 @@ pub fn nearby_hint(missing: &str, source: &Path) -> Option<String> {
     Some(format!(": there is no `{missing}`, but `{found}`: write `#include \"{found}\"`{reason}"))
 }
 
-/// The path relative to `folder` of a file `name` in it or below it, in any case; the nearest one, and the first by name.
+/// The path relative to `folder` of a file `name` in it or below it, in any case; the nearest one, and the first by
+/// name.
 fn find_below(folder: &Path, name: &str, visited: &mut usize, depth: usize) -> Option<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect();

@@ -209,7 +209,8 @@ pub fn is_explained(output: &str) -> bool {
     output.lines().filter(|line| !line.trim().is_empty()).all(|line| KNOWN.iter().any(|known| line.contains(known)))
 }
 
-/// Hints on `undefined` functions and variables that files beside the program define, one line per file; removes these from `undefined`.
+/// Hints on `undefined` functions and variables that files beside the program define, one line per file; removes these
+/// from `undefined`.
 fn beside_hints(undefined: &mut Vec<Undefined>, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
     let sources: Vec<&Path> = objects.iter().map(|(source, _)| *source).collect();
     let names: Vec<String> = sources
@@ -313,8 +314,8 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Undeclared names in capitals, of constants and types, and old names of types according to the compiler, each once (gcc and clang,
-/// `LC_ALL=C`).
+/// Undeclared names in capitals, of constants and types, and old names of types according to the compiler, each once
+/// (gcc and clang, `LC_ALL=C`).
 pub fn undeclared_constants(output: &str) -> Vec<String> {
     let is_capital = |b: u8| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_';
     let is_constant = |name: &&str| name.bytes().all(is_capital) || c::OLD_NAMES.contains(name);
@@ -426,8 +427,8 @@ pub fn unlinked_names(output: &str) -> Vec<String> {
     duplicates.chain(undefined_symbols(output).into_iter().map(|symbol| symbol.name)).collect()
 }
 
-/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. Only
-/// GNU ld reports their places.
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters.
+/// Only GNU ld reports their places.
 fn undefined_symbols(output: &str) -> Vec<Undefined> {
     let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {

@@ -1,5 +1,5 @@
-//! Functions that are `inline` in the manner of GNU C before C99: `inline` alone defines a function for all files, and `extern inline`
-//! defines none. With the rules of C99, which are the opposite, such programs do not link.
+//! Functions that are `inline` in the manner of GNU C before C99: `inline` alone defines a function for all files, and
+//! `extern inline` defines none. With the rules of C99, which are the opposite, such programs do not link.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,7 +16,8 @@ pub enum InlineRule {
     C99,
     /// That of GNU C before C99.
     Gnu89,
-    /// As [`InlineRule::Gnu89`]; of several definitions of a function, as in a header that several files include, the first counts.
+    /// As [`InlineRule::Gnu89`]; of several definitions of a function, as in a header that several files include, the
+    /// first counts.
     Gnu89Merged,
 }
 

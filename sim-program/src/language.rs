@@ -15,8 +15,8 @@ impl Language {
     /// Both languages, C first.
     pub const ALL: [Self; 2] = [Self::C, Self::Cpp];
 
-    /// The language of the source at `path`, by its extension in either case; `None` for other files. A `.txt` after the extension,
-    /// which some editors add, does not count.
+    /// The language of the source at `path`, by its extension in either case; `None` for other files. A `.txt` after
+    /// the extension, which some editors add, does not count.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = without_txt(path).extension()?.to_str()?.to_ascii_lowercase();
         Self::ALL.into_iter().find(|language| language.extensions().contains(&extension.as_str()))

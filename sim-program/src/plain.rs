@@ -105,15 +105,16 @@ fn changed_value(text: &str) -> Option<(f64, &str)> {
 /// Angles in radians are usually multiples of this one, 15 degrees.
 const RADIANS_STEP: f64 = std::f64::consts::PI / 12.0;
 
-/// Returns true for a fraction close to a multiple of [`RADIANS_STEP`], up to a full turn: 1.57, but not 2.5. `eye.py` has the same rule.
+/// Returns true for a fraction close to a multiple of [`RADIANS_STEP`], up to a full turn: 1.57, but not 2.5. `eye.py`
+/// has the same rule.
 fn is_in_radians(angle: f64) -> bool {
     let steps = angle.abs() / RADIANS_STEP;
     let is_close = (steps - steps.round()).abs() < 0.001 * steps;
     is_close && angle.abs() < 6.4 && (2.0 * angle).fract() != 0.0
 }
 
-/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its elements are those
-/// of the parameter.
+/// Returns true if the details of a warning, at the start of `lines`, name an array of arrays as the argument, and its
+/// elements are those of the parameter.
 fn passes_array(lines: &[&str]) -> bool {
     let mut details = lines.iter().take_while(|line| !line.contains(": warning: ") && !line.contains(": error: "));
     let types = details.find_map(|line| line.split_once("note: expected '")?.1.split_once(" but argument is of type "));
@@ -1308,7 +1309,8 @@ fn python_list(code: &str) -> Option<String> {
     is_plain.then(|| format!("a list of values is written between `{{ }}`: `{kind} {name}[{size}] = {{{values}}};`"))
 }
 
-/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the `while` of a `do`.
+/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the
+/// `while` of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
     let code = code_only(code);
     let code = code.trim();
@@ -1448,8 +1450,8 @@ fn header_of_cpp_function(name: &str) -> Option<&'static str> {
     CPP_FUNCTIONS.iter().find(|(_, functions)| functions.contains(&name)).map(|(header, _)| *header)
 }
 
-/// Headers of the C++ library, each once, that declare the functions unknown according to the compiler's `output` about a C++ source (gcc and
-/// clang, `LC_ALL=C`).
+/// Headers of the C++ library, each once, that declare the functions unknown according to the compiler's `output` about
+/// a C++ source (gcc and clang, `LC_ALL=C`).
 pub fn missing_cpp_headers(output: &str) -> Vec<&'static str> {
     const UNKNOWN: [&str; 4] =
         ["is not a member of 'std'", "in namespace 'std'", "was not declared in this scope", "undeclared identifier"];

@@ -80,7 +80,8 @@ fn the_sensors_of_the_paper_see_the_step_as_the_closed_forms_say() {
     let lines = &printed(&Scratch::new(), &scene("step.scene.toml"), &[])[0][1..];
     assert_sweep(lines);
     let column = |at: usize| lines.iter().map(move |line| numbers(line)[at]);
-    // The laser loses the floor beyond 45 degrees of incidence. The ultrasonic sensor detects only the face of the step.
+    // The laser loses the floor beyond 45 degrees of incidence. The ultrasonic sensor detects only the face of the
+    // step.
     assert!(column(1).take(6).all(|mm| mm < 500.0) && column(1).skip(6).take(5).all(|mm| mm == 2000.0));
     assert!(column(2).all(|mm| mm == 1000.0 || (500.0..520.0).contains(&mm)));
     assert!(column(2).any(|mm| mm < 1000.0));

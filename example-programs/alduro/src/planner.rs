@@ -30,8 +30,8 @@ const MAP_HALF_WIDTH: f64 = 14.0;
 const HEIGHTS: Heights = Heights { low: (0.08, 0.2), high: (0.2, 0.4) };
 /// A point blocks the operator's path if its membership in `high` is at least this.
 const BLOCKING_MEMBERSHIP: f64 = 0.5;
-/// Half angle about its line of sight within which a sonar reliably detects high obstacles, rad: a little less than half
-/// the angle between two sonars. The gap between two sonars is cleared when the robot has moved on.
+/// Half angle about its line of sight within which a sonar reliably detects high obstacles, rad: a little less than
+/// half the angle between two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
 /// Maximum range up to which cells are cleared, m. Within it, sonars reliably detect high obstacles.
 const CLEAR_RANGE: f64 = 3.5;

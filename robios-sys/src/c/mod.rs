@@ -58,12 +58,12 @@ pub const HEADERS7: &[SourceFile] = files![
 /// without a declaration.
 pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
 
-/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`OLD_NAMES`] without a
-/// declaration.
+/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`OLD_NAMES`] without
+/// a declaration.
 pub const OLD_NAMES_HEADER: &str = "eyesim-old-names.h";
 
-/// Names of [`OLD_NAMES_HEADER`]: those of the other generation, of demonstration programs and of older headers. They are not in
-/// `eyebot.h`, since many programs define some of them themselves.
+/// Names of [`OLD_NAMES_HEADER`]: those of the other generation, of demonstration programs and of older headers. They
+/// are not in `eyebot.h`, since many programs define some of them themselves.
 pub const OLD_NAMES: [&str; 10] =
     ["TRUE", "FALSE", "BOOL", "NONE", "RTSCTS", "NL", "CAMWAIT", "TimerHandle", "TIMER", "keycode_t"];
 

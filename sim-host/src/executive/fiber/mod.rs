@@ -362,9 +362,9 @@ impl Worker {
     /// for a short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it
     /// waits in the kernel.
     fn wait(&self) {
-        /// Time of a spinning worker before it waits in the kernel: more than a slot of a few robots takes, and more than
-        /// the kernel needs to wake a thread. Our choice. It is measured by the clock, since the length of a spin differs
-        /// between processors by a factor of ten.
+        /// Time of a spinning worker before it waits in the kernel: more than a slot of a few robots takes, and more
+        /// than the kernel needs to wake a thread. Our choice. It is measured by the clock, since the length of a spin
+        /// differs between processors by a factor of ten.
         const SPIN_TIME: Duration = Duration::from_micros(100);
         /// Number of spins between two readings of the clock.
         const SPINS: usize = 64;

@@ -23,9 +23,10 @@ static CHILDREN: AtomicUsize = AtomicUsize::new(0);
 
 /// Spins of the host for the messages of one child.
 ///
-/// To wake a thread on an idle processor takes several times as long as a call. But a thread that spins while no processor is
-/// free keeps a child from running. So the host spins if there are two processors for each child, one for the child and
-/// one for the thread that serves it, and as long as most spins end with a message. The child spins only if the host does.
+/// To wake a thread on an idle processor takes several times as long as a call. But a thread that spins while no
+/// processor is free keeps a child from running. So the host spins if there are two processors for each child, one for
+/// the child and one for the thread that serves it, and as long as most spins end with a message. The child spins only
+/// if the host does.
 pub struct Spinning {
     /// Increased by each spin without a message by more than a spin with a message decreases it.
     failures: AtomicU32,
