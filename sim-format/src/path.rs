@@ -141,11 +141,6 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     up.chain(path_parts[shared..].iter().copied()).collect::<Vec<_>>().join("/")
 }
 
-/// Returns true if `text` begins with `%sim%`.
-pub(super) fn names_installation(text: &str) -> bool {
-    strip_installation(text).is_some()
-}
-
 fn strip_installation(text: &str) -> Option<&str> {
     let prefix = text.get(..INSTALLATION.len())?;
     prefix.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))
