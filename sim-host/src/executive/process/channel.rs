@@ -499,6 +499,16 @@ mod tests {
     }
 
     #[test]
+    fn a_spin_ends_with_the_turn_or_the_limit() {
+        let channels = Channels::new().unwrap();
+        let (host, child) = (channels.map(0).unwrap(), channels.map(0).unwrap());
+        assert!(!host.spin_for(Turn::Host, Duration::from_micros(1)));
+        assert!(child.send(kind::READY, &[]));
+        assert!(!child.has_woken(), "the host does not sleep");
+        assert!(host.spin_for(Turn::Host, Duration::from_secs(600)));
+    }
+
+    #[test]
     fn channels_are_independent() {
         let channels = Channels::new().unwrap();
         let first = channels.map(0).unwrap();

@@ -40,6 +40,27 @@ impl Spinning {
         CHILDREN.fetch_add(1, Ordering::Relaxed);
         Self { failures: AtomicU32::new(0), waits: AtomicU32::new(0) }
     }
+
+    /// Spins until the host has the turn on `channel`, or for a limited time, if that is worth it.
+    pub fn spin(&self, channel: &Channel) {
+        if self.is_worth_it(CHILDREN.load(Ordering::Relaxed), host::processors()) {
+            let limit = if channel.has_woken() { WAKE_TIME } else { CODE_TIME };
+            self.record(channel.spin_for(Turn::Host, limit));
+        }
+    }
+
+    /// Counts a wait. Returns true if it may begin with a spin.
+    fn is_worth_it(&self, children: usize, processors: usize) -> bool {
+        let is_probe = self.waits.fetch_add(1, Ordering::Relaxed).is_multiple_of(PERIOD);
+        2 * children <= processors && (is_probe || self.failures.load(Ordering::Relaxed) <= MAX_FAILURES)
+    }
+
+    /// Records whether a spin has ended with a message.
+    fn record(&self, has_message: bool) {
+        let failures = self.failures.load(Ordering::Relaxed);
+        let failures = if has_message { failures.saturating_sub(1) } else { (failures + 2).min(MAX_FAILURES + 2) };
+        self.failures.store(failures, Ordering::Relaxed);
+    }
 }
 
 impl Drop for Spinning {
@@ -48,19 +69,32 @@ impl Drop for Spinning {
     }
 }
 
-impl Spinning {
-    /// Spins until the host has the turn on `channel`, or for a limited time, if that is worth it.
-    pub fn spin(&self, channel: &Channel) {
-        let failures = self.failures.load(Ordering::Relaxed);
-        let is_probe = self.waits.fetch_add(1, Ordering::Relaxed).is_multiple_of(PERIOD);
-        if 2 * CHILDREN.load(Ordering::Relaxed) > host::processors() || failures > MAX_FAILURES && !is_probe {
-            return;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spins_end_when_most_are_in_vain_and_begin_again() {
+        let spinning = Spinning::of_child();
+        let spins = |waits: u32| (0..waits).filter(|_| spinning.is_worth_it(1, 2)).count();
+        assert_eq!(spins(PERIOD), PERIOD as usize);
+        // One spin in vain among many does not matter.
+        for has_message in [false, true, true, false, true, true] {
+            spinning.record(has_message);
         }
-        let limit = if channel.has_woken() { WAKE_TIME } else { CODE_TIME };
-        let failures = match channel.spin_for(Turn::Host, limit) {
-            true => failures.saturating_sub(1),
-            false => (failures + 2).min(MAX_FAILURES + 2),
-        };
-        self.failures.store(failures, Ordering::Relaxed);
+        assert_eq!(spins(PERIOD), PERIOD as usize);
+        (0..10).for_each(|_| spinning.record(false));
+        assert_eq!(spins(10 * PERIOD), 10, "probes");
+        (0..2).for_each(|_| spinning.record(true));
+        assert_eq!(spins(PERIOD), PERIOD as usize);
+    }
+
+    #[test]
+    fn spins_need_two_processors_for_each_child() {
+        let spinning = Spinning::of_child();
+        let expected = [(1, 1, false), (1, 2, true), (2, 2, false), (2, 4, true), (5, 8, false)];
+        for (children, processors, may_spin) in expected {
+            assert_eq!(spinning.is_worth_it(children, processors), may_spin, "{children} on {processors}");
+        }
     }
 }
