@@ -1,4 +1,5 @@
-//! Compares the three sensors of France et al., which walk over a floor towards a step, with section 6.3 of the paper.
+//! Compares readings of the three sensors of France et al. with section 6.3 of the paper. The sensors are on the leg of
+//! a robot that walks over a floor towards a step.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -55,7 +56,7 @@ fn reflectance_sensor_has_the_bias_of_eq_1() {
             assert_eq!(reflectance, 1.0);
             continue;
         }
-        // The paper's formula is accurate enough here, since the signal s is not small.
+        // The paper's formula loses digits if the signal s is small; the tolerance allows for this.
         let cos = sim_core::math::cos(incidence);
         let s = (1.0 - d) / (d * d) * cos * cos;
         let by_paper = (-1.0 + (1.0 + 4.0 * s).sqrt()) / (2.0 * s);

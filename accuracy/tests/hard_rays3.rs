@@ -12,7 +12,8 @@ type Triangle = [DVec3; 3];
 /// Tolerance of distances, m.
 const TOLERANCE: f64 = 1e-9;
 
-/// Surface of squares that is closed in both directions; `point` maps column and row to a point.
+/// Closed surface from a grid of squares whose last column joins the first and whose last row joins the first; `point`
+/// maps a corner's column and row to its position.
 fn closed_surface(columns: usize, rows: usize, point: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
     let square = |cell: usize| {
         let (column, row) = (cell % columns, cell / columns);
@@ -23,7 +24,7 @@ fn closed_surface(columns: usize, rows: usize, point: impl Fn(usize, usize) -> D
     (0..columns * rows).flat_map(square).collect()
 }
 
-/// Torus with a tube of radius 1 m around a circle of 3 m.
+/// Torus with a tube of radius 1 m around a circle of radius 3 m.
 fn torus() -> Vec<Triangle> {
     let angle = |number: usize, count: usize| std::f64::consts::TAU * number as f64 / count as f64;
     closed_surface(24, 12, |column, row| {
@@ -32,7 +33,7 @@ fn torus() -> Vec<Triangle> {
     })
 }
 
-/// Corner, edge midpoint, quarter point or random point of a random triangle's edge.
+/// Point on an edge of a random triangle: a corner, the midpoint, a quarter point or a random point of the edge.
 fn point_of_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
     let [a, b, c] = triangles[random.below(triangles.len())];
     match random.below(4) {
@@ -49,16 +50,16 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
     let half = DVec3::new(2.0, 1.5, 1.25);
     let far = DVec3::new(1e4, -1e4, 0.0);
     let meshes = [
-        ("box on the grid", cuboid(half, 4, |point| point), DVec3::ZERO),
-        ("box on the grid, 10 km away", cuboid(half, 4, |point| point + far), far),
-        ("turned box", cuboid(half, 5, |point| rotation * point), DVec3::ZERO),
+        ("axis-aligned box", cuboid(half, 4, |point| point), DVec3::ZERO),
+        ("axis-aligned box, 10 km away", cuboid(half, 4, |point| point + far), far),
+        ("rotated box", cuboid(half, 5, |point| rotation * point), DVec3::ZERO),
         ("torus", torus(), DVec3::new(3.0, 0.0, 0.0)),
     ];
     let mut random = Random::new(61);
     for (name, triangles, inside) in meshes {
         let index = MeshIndex::new(&triangles);
         for ray in 0..500_000 {
-            // Every other ray starts at a grid point.
+            // Every other ray starts at a point of a grid with a spacing of 0.25 m.
             let offset = if ray % 2 == 0 {
                 DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64)
                     - DVec3::new(2.0, 2.0, 1.0)
@@ -80,8 +81,8 @@ fn no_ray_leaves_a_closed_mesh_through_an_edge() {
 fn rays_along_an_axis_miss_a_box_only_outside() {
     let half = DVec3::splat(2.0);
     let index = MeshIndex::new(&cuboid(half, 4, |point| point));
-    // The origins are the squares' corners and the points half-way between them, also outside the box. Some rays lie in
-    // the planes of faces.
+    // The rays form a grid with a spacing of 0.25 m that extends 0.5 m beyond the box. Many pass through edges and
+    // corners of the mesh's squares (1 m wide); some lie in the planes of faces.
     for cell in 0..21 * 21 {
         let (u, v) = (f64::from(cell % 21) * 0.25 - 2.5, f64::from(cell / 21) * 0.25 - 2.5);
         for axis in 0..3 {
@@ -112,7 +113,7 @@ fn tiny_boxes_are_hit_in_a_large_world() {
     let positions: Vec<DVec3> = (0..40)
         .map(|_| DVec3::new(random.between(-9e3, 9e3), random.between(-9e3, 9e3), random.between(0.0, 2.0)))
         .collect();
-    // Boxes of 2 mm spread over 20 km.
+    // The boxes are 2 mm wide and are spread over 18 km.
     for position in &positions {
         triangles.extend(cuboid(DVec3::splat(1e-3), 1, |point| point + *position));
     }

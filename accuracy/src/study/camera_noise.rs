@@ -2,9 +2,10 @@
 //! forms of the noise model.
 //!
 //! The picture without noise shows the room with its shadows. The closed form blurs it with a separately computed
-//! kernel (power series of the Bessel functions) and then sums over the 256 levels. The distribution of the levels is
-//! the normal distribution, rounded and clamped, mixed with salt and pepper and with random colours. If the
-//! distribution is right, the errors fall with the square root of the number of pictures; otherwise they stop falling.
+//! kernel (power series of the Bessel functions). It then computes mean and standard deviation of each channel as sums
+//! over the 256 levels, weighted with their probabilities. The distribution of the levels is the normal distribution,
+//! rounded and clamped, mixed with salt and pepper and with random colours. If the simulator's noise has this
+//! distribution, the errors fall with the square root of the number of pictures; otherwise they stop falling.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -42,17 +43,13 @@ fn run(_: Effort) -> Outcome {
     let mut rows = Vec::new();
     let mut series = Vec::new();
     for (name, model) in MODELS {
-        let measured = measured(&exact, model);
+        let measured = measure(&exact, model);
         for (quantity, errors, expected) in [
-            (
-                "mean of each channel",
-                measured.map(|deviation| deviation.mean),
-                measured.map(|deviation| deviation.expected_mean),
-            ),
+            ("mean of each channel", measured.map(|errors| errors.mean), measured.map(|errors| errors.expected_mean)),
             (
                 "deviation of all channels",
-                measured.map(|deviation| deviation.sigma),
-                measured.map(|deviation| deviation.expected_sigma),
+                measured.map(|errors| errors.sigma),
+                measured.map(|errors| errors.expected_sigma),
             ),
         ] {
             // One picture has no standard deviation.
@@ -100,23 +97,23 @@ fn exact_picture() -> Picture<[u8; 3]> {
     Camera::default().colour(&posed, &view, None, 2)
 }
 
-/// Differences from the closed form after a number of pictures, in grey levels.
+/// Errors of the measured moments after a number of pictures, relative to the closed form, in grey levels.
 #[derive(Clone, Copy, Debug, Default)]
-struct Deviation {
-    /// Root mean square difference of the channels' means.
+struct MomentErrors {
+    /// Root mean square error of the channels' means.
     mean: f64,
-    /// Expected value of `mean` with the right distribution.
+    /// Expected value of `mean` if the noise has the distribution of the closed form.
     expected_mean: f64,
     /// Error of the standard deviation, pooled over all channels.
     sigma: f64,
-    /// Expected value of `sigma` with the right distribution.
+    /// Expected value of `sigma` if the noise has the distribution of the closed form.
     expected_sigma: f64,
-    /// Time of the exposures, ns.
+    /// Computing time of the noise in all these pictures, ns.
     time_ns: f64,
 }
 
-/// Differences after each of the [`COUNTS`].
-fn measured(exact: &Picture<[u8; 3]>, model: ImageNoise) -> [Deviation; COUNTS.len()] {
+/// Errors of the moments after each number of pictures in [`COUNTS`].
+fn measure(exact: &Picture<[u8; 3]>, model: ImageNoise) -> [MomentErrors; COUNTS.len()] {
     let [width, _] = exact.size().map(|side| side as usize);
     let table: Vec<Moments> = (0..=255).map(|level| Moments::of(&model, level)).collect();
     let levels = blurred(model.blur, width, exact.pixels());
@@ -138,11 +135,11 @@ fn measured(exact: &Picture<[u8; 3]>, model: ImageNoise) -> [Deviation; COUNTS.l
             }
             frame += 1;
         }
-        Deviation { time_ns, ..deviation(&sums, &truth, count as f64) }
+        MomentErrors { time_ns, ..moment_errors(&sums, &truth, count as f64) }
     })
 }
 
-fn deviation(sums: &[(f64, f64)], truth: &[&Moments], count: f64) -> Deviation {
+fn moment_errors(sums: &[(f64, f64)], truth: &[&Moments], count: f64) -> MomentErrors {
     let channels = truth.len() as f64;
     let mean_over_channels = |term: &dyn Fn(f64, f64, &Moments) -> f64| {
         let terms = sums.iter().zip(truth).map(|((sum, squares), truth)| term(*sum, *squares, truth));
@@ -152,19 +149,20 @@ fn deviation(sums: &[(f64, f64)], truth: &[&Moments], count: f64) -> Deviation {
     let variance = mean_over_channels(&|_, _, truth| truth.variance);
     let expected_mean = (variance / count).sqrt();
     if count == 1.0 {
-        return Deviation { mean, expected_mean, ..Deviation::default() };
+        return MomentErrors { mean, expected_mean, ..MomentErrors::default() };
     }
-    let found = mean_over_channels(&|sum, squares, _| (squares - sum * sum / count) / (count - 1.0));
-    // Variance of a sample variance. A normal error with the standard deviation s has a mean magnitude of sqrt(2 / pi)
-    // s.
+    let measured_variance = mean_over_channels(&|sum, squares, _| (squares - sum * sum / count) / (count - 1.0));
+    // Variance of a channel's sample variance.
     let variance_of_variance =
         |truth: &Moments| (truth.fourth - truth.variance * truth.variance * (count - 3.0) / (count - 1.0)) / count;
     let pooled_error = (mean_over_channels(&|_, _, truth| variance_of_variance(truth)) / channels).sqrt();
-    Deviation {
+    // The mean magnitude of a normally distributed error is sqrt(2 / pi) times its standard deviation.
+    let mean_magnitude = (2.0 / PI).sqrt() * pooled_error;
+    MomentErrors {
         mean,
         expected_mean,
-        sigma: (found.sqrt() - variance.sqrt()).abs(),
-        expected_sigma: (2.0 / PI).sqrt() * pooled_error / (2.0 * variance.sqrt()),
+        sigma: (measured_variance.sqrt() - variance.sqrt()).abs(),
+        expected_sigma: mean_magnitude / (2.0 * variance.sqrt()),
         time_ns: 0.0,
     }
 }
@@ -181,8 +179,8 @@ impl Moments {
     /// Closed form for a channel whose level after the blur is `level`.
     fn of(model: &ImageNoise, level: u8) -> Self {
         let level = f64::from(level);
-        // The level is k if the normal number is within half a level of k; the lowest and the highest level include the
-        // tails.
+        // The level is k if the normally distributed value is within half a level of k; the lowest and the highest
+        // level include the tails.
         let below = |edge: f64| normal_cdf((edge - level) / model.sigma);
         let normal = |k: f64| {
             let high = if k == 255.0 { 1.0 } else { below(k + 0.5) };
@@ -203,12 +201,14 @@ impl Moments {
     }
 }
 
-/// Levels of all channels after the blur, by the documented formula in double precision: weights exp(-t) I_n(t) with t
-/// = `sigma`^2, cut off beyond four standard deviations and a pixel, and mirrored borders.
+/// Levels of all channels after the blur, computed in double precision from the documented formula.
+///
+/// The weights are exp(-t) I_n(t) with t = `sigma`^2, up to a distance n of four standard deviations (rounded up) plus
+/// one pixel. Borders are mirrored.
 fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     let radius = (4.0 * sigma).ceil() as i64 + 1;
     let half = 0.5 * sigma * sigma;
-    // I_n(t), the sum of (t / 2)^(2 k + n) / (k! (k + n)!).
+    // I_n(t) is the sum over k of (t / 2)^(2 k + n) / (k! (k + n)!).
     let bessel = |n: i64| {
         let mut term = (1..=n).map(|k| half / k as f64).product::<f64>();
         let mut sum = term;
@@ -260,23 +260,23 @@ mod tests {
     }
 
     #[test]
-    fn moments_match_values_by_hand() {
+    fn moments_match_hand_computed_values() {
         let exact = ImageNoise { sigma: 1e-9, ..ImageNoise::default() };
         assert_eq!(Moments::of(&exact, 70), Moments { mean: 70.0, variance: 0.0, fourth: 0.0 });
         let salt = Moments::of(&ImageNoise { salt_and_pepper: 1.0, ..exact }, 70);
         assert!((salt.mean - 127.5).abs() < 1e-9 && (salt.variance - 127.5 * 127.5).abs() < 1e-6, "{salt:?}");
         let colours = Moments::of(&ImageNoise { hundreds_and_thousands: 1.0, ..exact }, 70);
-        // A discrete uniform distribution: (256^2 - 1) / 12.
+        // The variance of a discrete uniform distribution is (256^2 - 1) / 12.
         assert!((colours.mean - 127.5).abs() < 1e-9 && (colours.variance - 5_461.25).abs() < 1e-6, "{colours:?}");
         // Rounding adds 1/12 to the variance; at the lowest level, half of the distribution is clamped.
         let middle = Moments::of(&ImageNoise { sigma: 4.0, ..exact }, 128);
         assert!((middle.variance - 16.0 - 1.0 / 12.0).abs() < 1e-6, "{middle:?}");
-        let end = Moments::of(&ImageNoise { sigma: 4.0, ..exact }, 0).mean;
-        assert!((end - 4.0 / std::f64::consts::TAU.sqrt()).abs() < 0.01, "{end}");
+        let lowest = Moments::of(&ImageNoise { sigma: 4.0, ..exact }, 0).mean;
+        assert!((lowest - 4.0 / std::f64::consts::TAU.sqrt()).abs() < 0.01, "{lowest}");
     }
 
     #[test]
-    fn blur_matches_the_simulators() {
+    fn separately_computed_blur_matches_sim_core() {
         let exact = exact_picture();
         for (_, model) in MODELS {
             let expected = blurred(model.blur, SIZE[0] as usize, exact.pixels());
@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn errors_of_pixels_have_their_expected_size() {
         for (name, model) in MODELS {
-            let found = measured(&exact_picture(), model)[2];
+            let found = measure(&exact_picture(), model)[2];
             // With 14,400 channels, the relative standard error is below 1 %, but larger with rare white and black
             // pixels.
             assert!((found.mean / found.expected_mean - 1.0).abs() < 0.05, "{name}: {found:?}");
@@ -305,7 +305,7 @@ mod tests {
         let wrong = ImageNoise { sigma: 1.03 * model.sigma, ..model };
         let table: Vec<Moments> = (0..=255).map(|level| Moments::of(&model, level)).collect();
         let difference = Moments::of(&wrong, 128).variance.sqrt() - table[128].variance.sqrt();
-        let found = measured(&exact_picture(), model)[3];
+        let found = measure(&exact_picture(), model)[3];
         assert!(found.sigma < 0.3 * difference, "3 % of sigma is {difference} levels: {found:?}");
     }
 }

@@ -1,8 +1,8 @@
-//! `legs`: closure of the chains of legs, and slip of standing feet, over walks of the biped and of ALDURO.
+//! `legs`: closure error of the legs' kinematic chains, and slip of standing feet, in walks of the biped and of ALDURO.
 //!
-//! The study computes each foot from the joint angles with its own trigonometry. Standing feet are compared with their
-//! footholds, with their position at touch-down and with the floor, swinging feet with the path of the gait. The method
-//! for comparison interpolates joint angles between samples.
+//! The study computes the position of each foot from the joint angles with its own trigonometry. It compares standing
+//! feet with their footholds, with their positions at touch-down and with the floor, and swinging feet with the path of
+//! the gait. A second method, for comparison, interpolates the joint angles between samples.
 
 use std::sync::Arc;
 
@@ -26,10 +26,10 @@ pub const STUDY: Study =
 const SECONDS: f64 = 20.0;
 /// Interval between the postures of a walk.
 const POSTURE_INTERVAL: Time = Time::from_millis(1);
-/// Intervals of the samples between which joint angles are interpolated.
-const SAMPLES: [Time; 5] =
+/// Sample intervals of the method that interpolates joint angles.
+const SAMPLE_INTERVALS: [Time; 5] =
     [Time::from_millis(2), Time::from_millis(5), Time::from_millis(10), Time::from_millis(20), Time::from_millis(50)];
-/// Time between two commands of the walk with changes; not a simple fraction of a gait's period.
+/// Time between two commands of a walk with several commands ([`CHANGES`]); not a simple fraction of a gait's period.
 const COMMAND_INTERVAL: Time = Time(1_234_567);
 
 /// A robot with legs and its limits.
@@ -40,13 +40,13 @@ struct Walker {
     limits: [f64; 2],
 }
 
-/// A walk: a cycle of twists (vx, vy, omega) as fractions of the limits.
+/// Commanded twists (vx, vy, omega) of a walk, as fractions of the limits; after the last one, the first follows again.
 type Course = &'static [[f64; 3]];
 
 const AHEAD: Course = &[[0.9, 0.0, 0.0]];
 const CURVE: Course = &[[0.5, 0.0, 0.4]];
 const CHANGES: Course = &[[0.8, 0.0, 0.1], [0.2, -0.2, -0.5], [0.0, 0.0, 0.0], [-0.4, 0.1, 0.4], [0.5, 0.3, 0.0]];
-/// Walks of the tables.
+/// Courses of the walks in the study's tables, with their names.
 const COURSES: [(&str, Course); 6] = [
     ("ahead", AHEAD),
     ("backwards", &[[-0.5, 0.0, 0.0]]),
@@ -63,17 +63,18 @@ struct Errors {
     closure: f64,
     /// Distance of a standing foot from its position at touch-down.
     slip: f64,
-    /// Height of a standing foot's contact point above or below the floor, or depth of a heel, toe or tip in the floor.
+    /// Distance of a standing foot's contact point above or below the floor, or depth of any foot's heel, toe or tip
+    /// below the floor, whichever is larger.
     floor: f64,
     /// Distance of a swinging foot from the path of the gait.
     swing: f64,
 }
 
-/// Name of a measure, and the measure.
+/// Name of an error measure, and the function that reads its value.
 type Measure = (&'static str, fn(&Errors) -> f64);
 
 impl Errors {
-    /// Measures of the tables.
+    /// Error measures in the study's tables.
     const MEASURES: [Measure; 4] = [
         ("standing feet, from the foothold", |errors| errors.closure),
         ("standing feet, slip", |errors| errors.slip),
@@ -93,10 +94,10 @@ fn run(effort: Effort) -> Outcome {
                 rows.push(row(format!("{}: {measure}", walker.name), (*course).to_owned(), value(errors), *time_ns));
             }
         }
-        for sample in SAMPLES {
-            let slip = walker.errors(CURVE, Some(sample)).slip;
-            let setting = format!("curve, samples every {} ms", sample.0 / 1_000);
-            let time_ns = walker.time(CURVE, Some(sample), effort);
+        for sample_interval in SAMPLE_INTERVALS {
+            let slip = walker.errors(CURVE, Some(sample_interval)).slip;
+            let setting = format!("curve, samples every {} ms", sample_interval.0 / 1_000);
+            let time_ns = walker.time(CURVE, Some(sample_interval), effort);
             rows.push(row(format!("{}: interpolated angles, slip", walker.name), setting, slip, time_ns));
         }
         figures.push(height_figure(&walker));
@@ -108,8 +109,8 @@ fn row(method: String, setting: String, error: f64, time_ns: f64) -> Row {
     Row { study: STUDY.name, method, setting, error, unit: "m", time_ns, per: "posture" }
 }
 
-/// Gives the command that is due between `at` and the previous posture, if any.
-fn command(course: Course, motion: &mut Motion, at: Time) {
+/// Gives the command that is due after the previous posture and not after `at`, if there is one.
+fn give_due_command(course: Course, motion: &mut Motion, at: Time) {
     let (index, count) = (at.0.div_euclid(COMMAND_INTERVAL.0), course.len() as i64);
     let is_due = at.0 - index * COMMAND_INTERVAL.0 < POSTURE_INTERVAL.0 && (index == 0 || count > 1);
     if is_due {
@@ -136,15 +137,15 @@ impl Walker {
     }
 
     /// Maximum errors of a walk with the exact postures, or with joint angles interpolated between samples.
-    fn errors(&self, course: Course, sample: Option<Time>) -> Errors {
+    fn errors(&self, course: Course, sample_interval: Option<Time>) -> Errors {
         let mut motion = self.motion();
-        let mut postures = Postures::new(sample);
+        let mut postures = Postures::new(sample_interval);
         let mut errors = Errors::default();
-        // Point of the sole under the ankle at touch-down.
+        // World position, at touch-down, of each standing foot's point of the sole under the ankle.
         let mut touch_downs: Vec<Option<DVec3>> = vec![None; self.legs.legs.len()];
         for index in 0..(SECONDS / POSTURE_INTERVAL.seconds()) as i64 {
             let at = Time(index * POSTURE_INTERVAL.0);
-            command(course, &mut motion, at);
+            give_due_command(course, &mut motion, at);
             let pose = motion.pose(at);
             let exact = motion.stance(at);
             let (joints, lift) = postures.at(&mut motion, at, &exact);
@@ -164,7 +165,8 @@ impl Walker {
                 }
                 errors.closure = errors.closure.max(distance);
                 errors.floor = errors.floor.max(point.z.abs());
-                // The sole turns about its heel or toe in the vertical plane through the yaw's direction.
+                // A standing foot rolls from heel to toe along its yaw direction, and the contact point moves along the
+                // sole. The point of the flat sole under the ankle does not move.
                 let direction = DVec2::from_angle(pose.heading.radians() + angles[0]).extend(0.0);
                 let under_ankle = point - foot.sole.from_ankle * direction;
                 errors.slip = errors.slip.max((under_ankle - *touch_down.get_or_insert(under_ankle)).length());
@@ -174,16 +176,16 @@ impl Walker {
     }
 
     /// Computing time of one posture in a walk, ns.
-    fn time(&self, course: Course, sample: Option<Time>, effort: Effort) -> f64 {
+    fn time(&self, course: Course, sample_interval: Option<Time>, effort: Effort) -> f64 {
         let count = (SECONDS / POSTURE_INTERVAL.seconds()) as i64;
         let walk = || {
             let mut motion = self.motion();
-            let mut postures = Postures::new(sample);
+            let mut postures = Postures::new(sample_interval);
             let mut sum = 0.0;
             for index in 0..count {
                 let at = Time(index * POSTURE_INTERVAL.0);
-                command(course, &mut motion, at);
-                let joints = match sample {
+                give_due_command(course, &mut motion, at);
+                let joints = match sample_interval {
                     None => motion.stance(at).joints,
                     Some(_) => postures.at(&mut motion, at, &Stance::default()).0,
                 };
@@ -199,7 +201,7 @@ impl Walker {
 struct Postures {
     /// Interval between samples; `None` for exact postures.
     sample_interval: Option<Time>,
-    /// Index of the interval, and the stances at its ends.
+    /// Index of the current sample interval, and the stances at its ends.
     samples: Option<(i64, Stance, Stance)>,
 }
 
@@ -227,12 +229,12 @@ impl Postures {
 /// Point of the sole `from_ankle` m in front of the ankle, or the tip of a leg without a foot, in the robot's frame.
 fn sole_point(leg: &Leg, angles: &[f64], from_ankle: f64) -> DVec3 {
     let (pitch, knee) = (angles[2], angles[3]);
-    // In the plane of the leg: x forwards, y up.
-    let hanging = |angle: f64| DVec2::new(math::sin(angle), -math::cos(angle));
-    let mut point = hanging(pitch) * leg.thigh + hanging(pitch - knee) * leg.shank;
+    // Direction at `angle` from straight down, in the plane of the leg: x forwards, y up.
+    let direction_at = |angle: f64| DVec2::new(math::sin(angle), -math::cos(angle));
+    let mut point = direction_at(pitch) * leg.thigh + direction_at(pitch - knee) * leg.shank;
     if let Some(foot) = leg.foot {
         let tilt = pitch - knee + angles[4];
-        point += DVec2::new(math::cos(tilt), math::sin(tilt)) * from_ankle + hanging(tilt) * foot.height;
+        point += DVec2::new(math::cos(tilt), math::sin(tilt)) * from_ankle + direction_at(tilt) * foot.height;
     }
     let (sin_roll, cos_roll) = math::sin_cos(angles[1]);
     let (sin_yaw, cos_yaw) = math::sin_cos(angles[0]);
@@ -247,7 +249,7 @@ fn in_world(pose: &Pose, lift: f64, point: DVec3) -> DVec3 {
 /// Chart of the heights of the feet's contact points, from the joint angles, over two periods of a steady walk.
 fn height_figure(walker: &Walker) -> Figure {
     let mut motion = walker.motion();
-    command(AHEAD, &mut motion, Time::ZERO);
+    give_due_command(AHEAD, &mut motion, Time::ZERO);
     let period = walker.legs.gaits[0].period;
     let mut series: Vec<Series> = walker
         .legs
@@ -334,12 +336,12 @@ mod tests {
         for walker in [biped(), alduro()] {
             for (name, course) in COURSES {
                 let errors = walker.errors(course, None);
-                // Rounding, at coordinates of up to 30 m.
+                // Only rounding remains, at coordinates of up to 30 m.
                 for (measure, value) in &Errors::MEASURES[..3] {
                     let found = value(&errors);
                     assert!(found < 1e-13, "{} {name}: {measure}: {found}", walker.name);
                 }
-                // The length of a foot: a swinging foot may lag behind the path of the gait.
+                // A swinging foot may lag behind the gait's path by about the length of a foot.
                 assert!(errors.swing < 0.2, "{} {name}: {}", walker.name, errors.swing);
             }
         }
@@ -348,7 +350,7 @@ mod tests {
     #[test]
     fn slip_of_interpolated_angles_falls_with_the_sample_interval() {
         for walker in [biped(), alduro()] {
-            let slips = SAMPLES.map(|sample| walker.errors(CURVE, Some(sample)).slip);
+            let slips = SAMPLE_INTERVALS.map(|interval| walker.errors(CURVE, Some(interval)).slip);
             assert!(slips.is_sorted() && slips[0] > 1e-8, "{}: {slips:?}", walker.name);
         }
     }

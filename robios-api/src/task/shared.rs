@@ -9,15 +9,15 @@ use crate::{Result, Robot};
 
 /// A value shared between tasks. Clones refer to the same value; one task at a time can lock it.
 ///
-/// Tasks wait at a semaphore of RoBIOS, so the mutex inside is never contended. The mutex makes sharing safe for
-/// every schedule.
+/// Tasks wait for a RoBIOS semaphore, so the mutex inside is never contended. Because of the mutex, memory safety does
+/// not depend on the order in which tasks run.
 #[derive(Debug)]
 pub struct Shared<T> {
     semaphore: Semaphore,
     value: Arc<Mutex<T>>,
 }
 
-/// Guard of a [`Shared`] value, which is locked until the guard is dropped.
+/// Guard that keeps a [`Shared`] value locked until the guard is dropped.
 #[derive(Debug)]
 #[must_use = "the value is unlocked when the guard is dropped"]
 pub struct SharedGuard<'a, T> {
@@ -34,8 +34,8 @@ impl<T> Shared<T> {
 
     /// Locks the value; waits while another task has it locked.
     ///
-    /// A task that locks the value twice deadlocks. If a task is killed while it holds the lock, the value keeps its
-    /// current state.
+    /// A task that locks the value twice deadlocks. If a task is killed while it holds the lock, the lock is released,
+    /// and the changes that the task made to the value remain.
     ///
     /// # Panics
     /// If the value was created in another run.
@@ -47,7 +47,7 @@ impl<T> Shared<T> {
 }
 
 impl<T: Clone> Shared<T> {
-    /// Copies the value, which is locked only for the copy.
+    /// Returns a copy of the value; the lock is held only while the value is copied.
     ///
     /// # Panics
     /// See [`lock`](Self::lock).

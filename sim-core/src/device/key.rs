@@ -1,6 +1,6 @@
 //! User input: keys below the display, touches of the display, and keys of a TV remote control.
 //!
-//! Presses are queued until the program reads them, so that input does not depend on when a program polls (our choice).
+//! Inputs are queued until the program reads them, so that what it reads does not depend on when it polls (our choice).
 
 use std::collections::VecDeque;
 use std::str::FromStr;
@@ -34,7 +34,7 @@ pub const REMOTE_KEYS: [&str; 20] = [
     "IRTV_POWER",
 ];
 
-/// Maximum coordinate of a touch, in pixels: more than any display has.
+/// Maximum coordinate of a touch, in pixels; no display is this large.
 const MAX_PIXEL: i32 = 65_535;
 
 /// A press of a key or a touch of the display. Its text is, for example, `KEY1`, `TOUCH(120,40)` or `IRTV_OK`; parsing
@@ -78,43 +78,43 @@ impl FromStr for UserInput {
 
 /// Parses the pixel of `TOUCH(120,40)`.
 fn parse_pixel(text: &str) -> Option<[i32; 2]> {
-    let (word, number) = text.strip_suffix(')')?.split_once('(')?;
-    let (x, y) = number.split_once(',')?;
+    let (word, pixel) = text.strip_suffix(')')?.split_once('(')?;
+    let (x, y) = pixel.split_once(',')?;
     let coordinate = |text: &str| text.trim().parse().ok().filter(|pixel| (0..=MAX_PIXEL).contains(pixel));
     word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
 
-/// Queue of future and unread presses, ordered by time; equal times keep the order of insertion.
+/// Queue of future and unread inputs, ordered by time; inputs of equal time keep the order of insertion.
 ///
 /// A reader passes `key_of`, which maps an input to a key of the reader. Inputs for which `key_of` returns `None` stay
 /// in the queue.
 #[derive(Clone, Debug, Default)]
 pub struct InputQueue {
-    presses: VecDeque<(Time, UserInput)>,
+    inputs: VecDeque<(Time, UserInput)>,
 }
 
 impl InputQueue {
-    /// Adds a press at `at`.
+    /// Adds an input at the time `at`.
     pub fn press(&mut self, at: Time, input: UserInput) {
-        let index = self.presses.partition_point(|(earlier, _)| *earlier <= at);
-        self.presses.insert(index, (at, input));
+        let index = self.inputs.partition_point(|(earlier, _)| *earlier <= at);
+        self.inputs.insert(index, (at, input));
     }
 
-    /// Removes and returns the earliest press of a key up to `now`.
+    /// Removes the earliest input up to `now` for which `key_of` returns a key, and returns the key.
     pub fn take<K>(&mut self, now: Time, key_of: impl Fn(UserInput) -> Option<K>) -> Option<K> {
         let is_key = |(at, input): &(Time, UserInput)| *at <= now && key_of(*input).is_some();
-        let (_, input) = self.presses.remove(self.presses.iter().position(is_key)?)?;
+        let (_, input) = self.inputs.remove(self.inputs.iter().position(is_key)?)?;
         key_of(input)
     }
 
-    /// Removes and returns the earliest press of any kind up to `now`.
+    /// Removes and returns the earliest input of any kind up to `now`.
     pub fn take_any(&mut self, now: Time) -> Option<UserInput> {
         self.take(now, Some)
     }
 
-    /// Time of the next press for which `matches` returns true; [`Time::NEVER`] if there is none.
+    /// Time of the earliest input in the queue for which `matches` returns true; [`Time::NEVER`] if there is none.
     pub fn next(&self, matches: impl Fn(UserInput) -> bool) -> Time {
-        self.presses.iter().find(|(_, input)| matches(*input)).map_or(Time::NEVER, |(at, _)| *at)
+        self.inputs.iter().find(|(_, input)| matches(*input)).map_or(Time::NEVER, |(at, _)| *at)
     }
 }
 

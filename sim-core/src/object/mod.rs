@@ -1,8 +1,8 @@
 //! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
 //! This module contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual
-//! time. The library rapier solves the contacts; this module adds floor friction, rolling
-//! resistance and a limit of the energy after each step. It neither reads files nor computes a robot's reaction to a
+//! time. The library rapier solves the contacts; after each step, this module applies floor friction and rolling
+//! resistance and removes energy that the step has added. It neither reads files nor computes a robot's reaction to a
 //! push: here, robots are discs with a velocity ([`Pusher`]).
 //!
 //! The solver is built with the feature `objects`. Without it, [`Bodies`] cannot be constructed, and scenes with
@@ -30,7 +30,7 @@ pub use trajectory::ObjectTrajectory;
 
 use crate::{pose::Pose, scene::Bounds, time::Time};
 
-/// Length of a step of the rigid bodies. Our choice.
+/// Time step of the rigid-body simulation. Our choice.
 pub const STEP: Time = Time::from_millis(1);
 
 /// Standard acceleration of gravity, m/s².
@@ -46,7 +46,7 @@ pub enum Resistance {
 }
 
 impl Resistance {
-    /// Deceleration of a body without rotation, m/s².
+    /// Deceleration of an object that does not turn about its vertical axis, m/s².
     pub fn deceleration(self) -> f64 {
         let (Self::Sliding(coefficient) | Self::Rolling(coefficient)) = self;
         coefficient * GRAVITY
@@ -73,10 +73,10 @@ pub struct Properties {
     pub parts: Vec<Part>,
     /// Resistance of the floor.
     pub resistance: Resistance,
-    /// Coefficient of restitution, 0 to 1; between two objects the smaller one applies (our choice).
+    /// Coefficient of restitution, 0 to 1; between two objects the smaller coefficient applies (our choice).
     pub restitution: f64,
-    /// Coefficient of friction against walls, robots and other objects; between two objects the smaller one applies
-    /// (our choice).
+    /// Coefficient of friction against walls, robots and other objects; between two objects the smaller coefficient
+    /// applies (our choice).
     pub contact_friction: f64,
     /// Height of the object's frame above the floor, m; 0 unless the object floats. Contacts in the plane do not depend
     /// on it.
@@ -84,7 +84,7 @@ pub struct Properties {
 }
 
 impl Properties {
-    /// Square of the radius of gyration about the centre of mass, m², for parts of uniform mass per area.
+    /// Square of the radius of gyration about the centre of mass, m², if all parts have the same mass per area.
     pub fn gyration_squared(&self) -> f64 {
         let mut area = 0.0;
         let mut moment = 0.0;
@@ -121,11 +121,11 @@ impl Properties {
 
     /// The outlines of the parts of an object at `world_from_object`: see [`Shape::outline`].
     pub fn outlines(&self, world_from_object: &Pose) -> Vec<Vec<DVec2>> {
-        let of_part = |part: &Part| {
+        let part_outline = |part: &Part| {
             let world_from_part = world_from_object.compose(&part.object_from_part);
             part.shape.outline().into_iter().map(|corner| world_from_part.transform_point(corner)).collect()
         };
-        self.parts.iter().map(of_part).collect()
+        self.parts.iter().map(part_outline).collect()
     }
 
     /// Distance along a ray to the footprint of an object at `world_from_object`, m: 0 if the ray starts inside, `None`
@@ -133,14 +133,14 @@ impl Properties {
     ///
     /// `origin` and the unit vector `direction` are in the world frame.
     pub fn cast(&self, world_from_object: &Pose, origin: DVec2, direction: DVec2) -> Option<f64> {
-        let of_part = |part: &Part| {
+        let part_distance = |part: &Part| {
             let world_from_part = world_from_object.compose(&part.object_from_part);
             let axis = world_from_part.heading.direction();
             let part_from_world = DVec2::new(axis.x, -axis.y);
             let origin = part_from_world.rotate(origin - world_from_part.position);
             part.shape.cast(origin, part_from_world.rotate(direction))
         };
-        self.parts.iter().filter_map(of_part).min_by(f64::total_cmp)
+        self.parts.iter().filter_map(part_distance).min_by(f64::total_cmp)
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Failure {
     pub location: String,
     /// Program counter at the failure, then the words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
-    /// Unfinished lines that the program has printed, each with its [`stream`](robios_sys::support::stream).
+    /// Lines that the program has printed without a line end, each with its [`stream`](robios_sys::support::stream).
     pub unfinished: Vec<(i32, String)>,
 }
 
@@ -58,12 +58,13 @@ const SI_KERNEL: i32 = 0x80;
 const MAX_SHALLOW: usize = 1024;
 
 impl Failure {
-    /// Describes `crash` of a thread with these stack bounds; `stack_words` are the words on its stack from the stack
-    /// pointer upwards.
+    /// Describes `crash` of a thread whose stack lies between `low` and `high`; `stack_words` are the words on its
+    /// stack from the stack pointer upwards.
     pub(super) fn new(crash: Crash, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
-        // A shallow stack has not overflowed: other memory may end just below it.
+        // A shallow stack has not overflowed: the crash is then an access to other memory, which may end just below the
+        // stack.
         let is_deep = stack_words.is_empty() || stack_words.len() > MAX_SHALLOW;
-        let near_guard = low > 0
+        let is_near_guard = low > 0
             && is_deep
             && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&crash.address);
         let description = match crash.signal {
@@ -77,7 +78,7 @@ impl Failure {
             signal if crash.code < 0 && name_of_signal(signal).is_some_and(|name| name != "SIGABRT") => {
                 format!("the program sent itself the signal {}", name_of_signal(signal).unwrap_or_default())
             }
-            libc::SIGSEGV | libc::SIGBUS if near_guard => STACK_OVERFLOW.into(),
+            libc::SIGSEGV | libc::SIGBUS if is_near_guard => STACK_OVERFLOW.into(),
             libc::SIGSEGV if is_in_guard(crash.address, high) => {
                 "the program wrote or read beyond the top of its stack (an array overrun)".into()
             }
@@ -95,7 +96,7 @@ impl Failure {
             ),
             libc::SIGSEGV => format!("segmentation fault at address {:#x} ({INVALID_POINTER})", crash.address),
             libc::SIGBUS => format!("bus error at address {:#x}", crash.address),
-            libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(crash.code)),
+            libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_sigfpe(crash.code)),
             libc::SIGILL => ILLEGAL_INSTRUCTION.into(),
             libc::SIGABRT => {
                 "aborted by the C library (in C usually a write beyond the end of allocated memory, or memory freed twice)".into()
@@ -116,13 +117,14 @@ impl Failure {
         }
     }
 
-    /// Adds the unfinished lines that the program has printed.
+    /// Adds the lines that the program has printed without a line end.
     #[must_use]
     pub(super) fn with_unfinished(self, unfinished: Vec<(i32, String)>) -> Self {
         Self { unfinished, ..self }
     }
 
-    /// Replaces the description by the reason that the program reported before it failed, if any.
+    /// Replaces the description by the reason that the program reported before it failed, if any. An overdue program
+    /// keeps its description.
     #[must_use]
     pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
         match ending {
@@ -131,7 +133,7 @@ impl Failure {
         }
     }
 
-    /// Describes an overdue program that was stopped at `location`, after its last call.
+    /// Describes an overdue program that was stopped at `location`; `last_call` is the number of its last RoBIOS call.
     pub(super) fn overdue(last_call: u16, location: String) -> Self {
         let crash = Crash { signal: OVERDUE_SIGNAL, ..Crash::default() };
         Self { location, ..Self::new(crash, [0; 2], last_call, Vec::new()) }
@@ -152,13 +154,13 @@ impl Failure {
         }
     }
 
-    /// The ending that the program gets by this failure.
+    /// How this failure ends the program.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.description.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
-    /// Adds the task that failed.
+    /// Sets the task that failed.
     #[must_use]
     pub(super) fn in_task(mut self, task: u32) -> Self {
         self.task = Some(task);
@@ -179,8 +181,8 @@ fn name_of_signal(signal: i32) -> Option<&'static str> {
     names.iter().find(|(number, _)| *number == signal).map(|(_, name)| *name)
 }
 
-/// Describes the code of a SIGFPE.
-fn cause_of_arithmetic_fault(code: i32) -> &'static str {
+/// Describes the cause of a SIGFPE with this signal code (`si_code`).
+fn cause_of_sigfpe(code: i32) -> &'static str {
     // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
     match code {
         DIVISION_BY_ZERO => "integer division by zero",

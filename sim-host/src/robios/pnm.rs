@@ -13,13 +13,13 @@ pub struct Picture {
     pub pixels: Vec<u8>,
 }
 
-/// Error of a file that is not an image.
+/// Reason why a file cannot be read as a PNM image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PnmError {
     /// The file does not begin with `P1` to `P6`.
     #[error("it is not a PNM file, which begins with P1 to P6")]
     Kind,
-    /// The file has another format of the same family.
+    /// The file is a PAM file (P7), which is not supported.
     #[error("it is a PAM file (P7), expected P1 to P6")]
     Pam,
     /// A number of the header is missing or out of range.
@@ -33,9 +33,9 @@ pub enum PnmError {
     Short(u64),
 }
 
-/// Reads the image in `file`, cropped or filled with black at the right and bottom to `size`.
+/// Reads the image in `file` and crops it to `size` at the right and bottom, or fills it up with black there.
 ///
-/// Values are scaled to 0..=255; the black of a PBM file is 0.
+/// Samples are scaled to 0..=255; black in a PBM file (bit 1) becomes 0.
 ///
 /// # Errors
 /// [`PnmError`] if the file is not a PNM file or is damaged.
@@ -45,7 +45,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         [b'P', kind @ b'1'..=b'6', rest @ ..] => (kind - b'0', rest),
         _ => return Err(PnmError::Kind),
     };
-    let mut text = Text { rest };
+    let mut text = TextReader { rest };
     let expected_side = "a whole number above 0";
     let width = text.number(u32::MAX).filter(|number| *number > 0).ok_or(PnmError::Header("width", expected_side))?;
     let height = text.number(u32::MAX).filter(|number| *number > 0).ok_or(PnmError::Header("height", expected_side))?;
@@ -58,7 +58,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     };
     let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
     let pixels = u64::from(width) * u64::from(height);
-    // A byte holds 8 pixels at most: no memory is allocated for pixels that the file cannot contain.
+    // A byte holds at most 8 pixels: no memory is allocated for pixels that the file cannot contain.
     if pixels > 8 * file.len() as u64 {
         return Err(PnmError::Short(pixels));
     }
@@ -67,11 +67,11 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         let value = value.filter(|value| *value <= max).ok_or(PnmError::Sample((index / depth) as u64, max))?;
         Ok(((value * 255 + max / 2) / max) as u8)
     };
-    // One blank ends the header of a binary file.
+    // One whitespace character ends the header of a binary file.
     let data = text.rest.get(1..).unwrap_or_default();
     let short = PnmError::Short(pixels);
     let levels: Vec<u8> = match kind {
-        // The digits of a plain bitmap need no blanks between them.
+        // The digits of a plain bitmap need no whitespace between them.
         1 => {
             (0..samples).map(|index| sample(index, text.digit()).map(|level| 255 - level)).collect::<Result<_, _>>()?
         }
@@ -101,17 +101,17 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     Ok(Picture { kind, pixels: crop_or_fill(&levels, width * depth, size.width * depth, size.height) })
 }
 
-/// The part of a file that consists of decimal numbers between blanks and comments.
-struct Text<'f> {
+/// Reader of decimal numbers that are separated by whitespace and comments.
+struct TextReader<'f> {
     rest: &'f [u8],
 }
 
-impl Text<'_> {
-    /// Skips blanks, and comments from `#` to the end of their line.
-    fn skip_blanks(&mut self) {
+impl TextReader<'_> {
+    /// Skips whitespace, and comments from `#` to the end of the line.
+    fn skip_whitespace(&mut self) {
         loop {
             match self.rest {
-                [blank, rest @ ..] if blank.is_ascii_whitespace() => self.rest = rest,
+                [byte, rest @ ..] if byte.is_ascii_whitespace() => self.rest = rest,
                 [b'#', ..] => {
                     let end = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
                     self.rest = &self.rest[end.unwrap_or(self.rest.len())..];
@@ -121,25 +121,25 @@ impl Text<'_> {
         }
     }
 
-    /// The next number, at most `max`; `None` if there is none.
+    /// Reads the next number; `None` if there is none, or if it exceeds `max`.
     fn number(&mut self, max: u32) -> Option<u32> {
-        self.skip_blanks();
+        self.skip_whitespace();
         let length = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let (digits, rest) = self.rest.split_at(length);
         self.rest = rest;
         std::str::from_utf8(digits).ok()?.parse().ok().filter(|number| *number <= max)
     }
 
-    /// The next digit, 0 or 1 in a bitmap.
+    /// Reads the next character as a decimal digit; `None` if it is none. A bitmap has only the digits 0 and 1.
     fn digit(&mut self) -> Option<u32> {
-        self.skip_blanks();
+        self.skip_whitespace();
         let (digit, rest) = self.rest.split_first()?;
         self.rest = rest;
         char::from(*digit).to_digit(10)
     }
 }
 
-/// Crops or fills rows of `from_width` bytes to `height` rows of `width` bytes.
+/// Crops rows of `from_width` bytes to `height` rows of `width` bytes, or fills them up with zeros.
 fn crop_or_fill(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u8> {
     let mut result = vec![0; width * height];
     let common = width.min(from_width);
