@@ -50,8 +50,9 @@ fn file_beside(path: &Path) -> Option<FileBeside> {
     let mut definitions = calls_of(&text).defined;
     let code = code_only(&text);
     definitions.extend(code.lines().filter_map(defined_variable).map(str::to_owned));
-    let statics: Vec<&str> = code.lines().filter(|line| line.trim_start().starts_with("static ")).collect();
-    definitions.retain(|name| !statics.iter().any(|line| line.split(|c| !is_name(c)).any(|word| word == name)));
+    let statics = code.lines().filter(|line| line.trim_start().starts_with("static "));
+    let hidden: BTreeSet<&str> = statics.flat_map(|line| line.split(|c| !is_name(c))).collect();
+    definitions.retain(|name| !hidden.contains(name.as_str()));
     Some(FileBeside { name, is_program: definitions.contains("main"), definitions })
 }
 

@@ -48,17 +48,18 @@ fn inline_names(text: &str) -> Vec<String> {
     let code = code_only(text);
     let is_inline = |word: &str| ["inline", "__inline", "__inline__"].contains(&word);
     let mut names = Vec::new();
-    let mut offset = 0;
-    for word in code.split(|letter| !is_name(letter)) {
-        let end = offset + word.len();
-        if is_inline(word)
-            && let Some((head, _)) = code[end..].split_once('(')
-            && let Some(name) = head.split(|letter| !is_name(letter)).rfind(|name| !name.is_empty())
-        {
-            names.push(name.to_owned());
+    // After `inline`, the last word before `(`.
+    let mut name = None;
+    for part in code.split_inclusive(|letter| !is_name(letter)) {
+        let word = part.trim_end_matches(|letter| !is_name(letter));
+        if is_inline(word) {
+            name = Some("");
+        } else if name.is_some() && !word.is_empty() {
+            name = Some(word);
         }
-        // The separator follows the word.
-        offset = end + code[end..].chars().next().map_or(0, char::len_utf8);
+        if part.ends_with('(') {
+            names.extend(name.take().filter(|name| !name.is_empty()).map(str::to_owned));
+        }
     }
     names
 }
