@@ -202,6 +202,7 @@ impl RobotThreads {
             bind(flow.block.tid.load(Ordering::Relaxed), *processor);
             if let Some(child) = self.child.get() {
                 bind(child.first().thread().cast_signed(), *processor);
+                child.note_binding();
             }
         }
         flow.is_resumed.store(true, Ordering::Release);

@@ -198,6 +198,11 @@ impl Child {
         }
     }
 
+    /// Records that the child's thread is bound to the processor of the thread that serves it.
+    pub fn note_binding(&self) {
+        self.spinning.note_binding();
+    }
+
     /// The channel of the thread that runs `main`.
     pub fn first(&self) -> &Channel {
         &self.first

@@ -1,6 +1,6 @@
 //! Decides whether the host spins for the next message of a child before it sleeps.
 
-use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use super::channel::{Channel, Turn};
@@ -25,20 +25,27 @@ static CHILDREN: AtomicUsize = AtomicUsize::new(0);
 ///
 /// To wake a thread on an idle processor takes several times as long as a call. But a thread that spins while no
 /// processor is free keeps a child from running. So the host spins if there are two processors for each child, one for
-/// the child and one for the thread that serves it, and as long as most spins end with a message. The child spins only
-/// if the host does.
+/// the child and one for the thread that serves it, unless both are bound to one processor, and as long as most spins
+/// end with a message. The child spins only if the host does.
 pub struct Spinning {
     /// Increased by each spin without a message by more than a spin with a message decreases it.
     failures: AtomicU32,
     /// Number of waits.
     waits: AtomicU32,
+    /// The child and the thread that serves it are bound to one processor: a spin would keep the child from running.
+    is_bound: AtomicBool,
 }
 
 impl Spinning {
     /// Spins for the messages of a new child.
     pub fn of_child() -> Self {
         CHILDREN.fetch_add(1, Ordering::Relaxed);
-        Self { failures: AtomicU32::new(0), waits: AtomicU32::new(0) }
+        Self { failures: AtomicU32::new(0), waits: AtomicU32::new(0), is_bound: AtomicBool::new(false) }
+    }
+
+    /// Records that the child and the thread that serves it are bound to the same processor: there are no more spins.
+    pub fn note_binding(&self) {
+        self.is_bound.store(true, Ordering::Relaxed);
     }
 
     /// Spins until the host has the turn on `channel`, or for a limited time, if that is worth it.
@@ -52,7 +59,9 @@ impl Spinning {
     /// Counts a wait. Returns true if it may begin with a spin.
     fn is_worth_it(&self, children: usize, processors: usize) -> bool {
         let is_probe = self.waits.fetch_add(1, Ordering::Relaxed).is_multiple_of(PERIOD);
-        2 * children <= processors && (is_probe || self.failures.load(Ordering::Relaxed) <= MAX_FAILURES)
+        2 * children <= processors
+            && !self.is_bound.load(Ordering::Relaxed)
+            && (is_probe || self.failures.load(Ordering::Relaxed) <= MAX_FAILURES)
     }
 
     /// Records whether a spin has ended with a message.
@@ -96,5 +105,7 @@ mod tests {
         for (children, processors, may_spin) in expected {
             assert_eq!(spinning.is_worth_it(children, processors), may_spin, "{children} on {processors}");
         }
+        spinning.note_binding();
+        assert!(!spinning.is_worth_it(1, 8), "the child shares its processor");
     }
 }
