@@ -11,7 +11,7 @@ use robios_sys::c;
 use super::beside::files_beside;
 use super::generation::Generation;
 use super::header::{library_hint, nearby_hint};
-use super::language::Language;
+use super::language::{Language, without_txt};
 use super::plain::in_plain_words;
 
 /// Headers of other systems and of terminals, with their replacements in robot programs.
@@ -107,7 +107,7 @@ fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
         Some(format!(": there is no `{missing}`: write `#include \"{similar}\"`"))
     } else if Language::of(source) == Some(Language::C) && !missing.contains(['.', '/']) {
         // Headers of the C++ library have no extension.
-        let cpp = source.with_extension("cpp");
+        let cpp = without_txt(source).with_extension("cpp");
         let cpp = cpp.file_name().unwrap_or_default().display();
         Some(format!(" includes `{missing}`, so this is C++: name the file `{cpp}`, and in the scene too"))
     } else {

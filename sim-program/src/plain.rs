@@ -1,11 +1,15 @@
 //! Translates messages of C and C++ compilers into plain words: one line for each, with the mistake and what to write
 //! instead. The compiler's own messages follow after these lines.
 
+use std::path::Path;
+
 use console::measure_text_width;
 
 use super::access::{Accesses, IndexedArray, accesses_of};
 use super::brace::unclosed_brace;
+use super::calls::calls_of;
 use super::code::{TYPES, begins_function, code_only, is_name};
+use super::language::Language;
 
 /// Maximum number of translated lines.
 const MAX_LINES: usize = 5;
@@ -192,6 +196,11 @@ impl Message<'_> {
         quoted(self.text, index)
     }
 
+    /// Returns true if the message is about a source in C, not in C++ and not a header.
+    fn is_c(&self) -> bool {
+        Language::of(Path::new(self.file)) == Some(Language::C)
+    }
+
     fn plain_words(&self) -> Option<String> {
         self.plain_words_from_code().or_else(|| self.plain_words_from_text())
     }
@@ -214,10 +223,7 @@ impl Message<'_> {
             (if at_end { letters.next_back() } else { letters.next() }).is_some_and(|letter| letter.is_ascii_digit())
         };
         let comma = code.split_once('=').and_then(|(_, value)| value.split_once(','));
-        if self.file.ends_with(".c")
-            && starts_with_word(code, "extern")
-            && line.replace(' ', "").contains("extern\"C\"")
-        {
+        if self.is_c() && starts_with_word(code, "extern") && line.replace(' ', "").contains("extern\"C\"") {
             return Some(EXTERN_C.to_owned());
         }
         if code == "include" || code.starts_with("include<") || code.starts_with("include <") {
@@ -291,12 +297,10 @@ impl Message<'_> {
             return Some("`+` does not join a text and a number: write `\"distance %d\", d`".to_owned());
         }
         let is_cpp_operator = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
-        if self.file.ends_with(".c")
-            && (is_syntax && is_cpp_operator(self.found_token()) || is_cpp_operator(self.quoted(0)))
-        {
+        if self.is_c() && (is_syntax && is_cpp_operator(self.found_token()) || is_cpp_operator(self.quoted(0))) {
             return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
         }
-        if is_syntax && code.contains(if self.file.ends_with(".c") { "<>" } else { " <> " }) {
+        if is_syntax && code.contains(if self.is_c() { "<>" } else { " <> " }) {
             return Some("`<>` is not a comparison: write `!=`".to_owned());
         }
         None
@@ -596,7 +600,7 @@ impl Message<'_> {
     fn missing_name(&self) -> Option<String> {
         Some(match self.found_token()? {
             word if is_word(word) => format!("`{word}` is a word of the language: give the variable another name"),
-            "&" if self.file.ends_with(".c") => "C has no `&` variables: write a pointer, with `*`".to_owned(),
+            "&" if self.is_c() => "C has no `&` variables: write a pointer, with `*`".to_owned(),
             mark => format!("a name is missing before `{mark}`"),
         })
     }
@@ -693,7 +697,7 @@ impl Message<'_> {
         let right = self.split_code()?.1;
         let kind = TYPES.iter().find(|kind| starts_with_word(right, kind))?;
         let word = right[kind.len()..].trim_start().split(|c| !is_name(c)).next()?;
-        let is_cpp_keyword = !self.file.ends_with(".c") && CPP_KEYWORDS.contains(&word);
+        let is_cpp_keyword = !self.is_c() && CPP_KEYWORDS.contains(&word);
         is_cpp_keyword.then(|| format!("`{word}` is a word of C++: give the variable another name"))
     }
 
@@ -709,7 +713,7 @@ impl Message<'_> {
             .split(|letter| !is_name(letter) && letter != '[')
             .filter_map(length)
             .any(|letter| letter.is_ascii_digit());
-        let is_struct = self.file.ends_with(".c") && starts_with_word(code, "struct") && !code.contains(['[', '*']);
+        let is_struct = self.is_c() && starts_with_word(code, "struct") && !code.contains(['[', '*']);
         // gcc writes "was declared here" for numbers and pointers only.
         let is_number = self.details.iter().any(|line| line.contains(" was declared here"));
         let value = if is_number {
@@ -801,7 +805,7 @@ impl Message<'_> {
             return Some(format!("C wants the `{kind}` again: write `{kind} {name}`"));
         }
         if CPP_LIBRARY_NAMES.contains(&name) {
-            return Some(if self.file.ends_with(".c") { not_a_c_type(name) } else { belongs_to_cpp(name) });
+            return Some(if self.is_c() { not_a_c_type(name) } else { belongs_to_cpp(name) });
         }
         misspelt_keyword(name).or_else(|| {
             if self.suggestion().is_none()
@@ -884,11 +888,7 @@ impl Message<'_> {
                 "`{name}` belongs to the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
         }
-        let is_of_std = || self.text.contains("'std'") || self.source.contains("using namespace std");
-        if !self.file.ends_with(".c")
-            && (CPP_LIBRARY_NAMES.contains(&name)
-                || header_of_cpp_function(name).is_some() && (is_of_std() || ["max", "min", "sort"].contains(&name)))
-        {
+        if !self.is_c() && (CPP_LIBRARY_NAMES.contains(&name) || self.means_cpp_function(name)) {
             return Some(belongs_to_cpp(name));
         }
         if let Some(given) = self.code().and_then(print_arguments).filter(|given| given.starts_with(name)) {
@@ -909,6 +909,16 @@ impl Message<'_> {
                 "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or check the spelling"
             ),
         })
+    }
+
+    /// Returns true if an unknown `name` is probably a function of the C++ library, and not a variable or a function that
+    /// the source defines below.
+    fn means_cpp_function(&self, name: &str) -> bool {
+        let is_called = || self.code().is_some_and(|code| code.contains(&format!("{name}(")));
+        let is_known = || ["max", "min", "sort"].contains(&name) || self.source.contains("using namespace std");
+        let is_own = || calls_of(self.source).defined.contains(name);
+        header_of_cpp_function(name).is_some()
+            && (self.text.contains("'std'") || is_called() && is_known() && !is_own())
     }
 
     /// Explains two words without a mark between them; the message is at the second word.
@@ -2093,6 +2103,12 @@ mod tests {
         assert_eq!(missing_cpp_headers(&format!("{plain}{qualified}{plain}")), ["numeric", "algorithm"]);
         assert!(!in_plain_words(plain, ("a.cpp", "")).contains("numeric"));
         assert!(in_plain_words(plain, ("a.cpp", "using namespace std;")).contains("#include <numeric>"));
+        let own = "using namespace std;\nvoid f() { rotate(9); count = 1; }\nvoid rotate(int n) {}\n";
+        for (name, code) in [("rotate", "rotate(9);"), ("count", "count = 1;")] {
+            let output = format!("a.cpp:2:12: error: '{name}' was not declared in this scope\n    2 | {code}\n");
+            let words = in_plain_words(&output, ("a.cpp", own));
+            assert!(words.contains(name) && !words.contains("C++ library"), "{words}");
+        }
         assert!(missing_cpp_headers("a.cpp:3:3: error: 'home' was not declared in this scope").is_empty());
     }
 
