@@ -46,6 +46,9 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     unique
 }
 
+/// Maximum number of parts of a path that are searched elsewhere, so that a senseless path does not take long.
+const MAX_PARTS: usize = 32;
+
 /// Candidates for an absolute path `text` from another machine, or for a relative path that leads through other
 /// folders, as in `../worlds/a.wld`; empty for a bare file name and for a path that begins with `%sim%`.
 ///
@@ -61,7 +64,7 @@ pub fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec
     }
     let above = ["..", "../.."].map(|up| join(folder, up));
     let mut paths: Vec<String> = Vec::new();
-    for first in 0..parts.len() {
+    for first in parts.len().saturating_sub(MAX_PARTS)..parts.len() {
         let suffix = parts[first..].join("/");
         paths.push(join(folder, &suffix));
         if first + 1 < parts.len() {
@@ -114,7 +117,11 @@ pub(super) fn is_from_installation(text: &str, folder: &str, found: &str, home: 
     if strip_installation(&text).is_some() || is_absolute(&text) {
         return false;
     }
-    let is_in_home = |path: &str| home.is_some_and(|home| path.starts_with(&join(home, "")));
+    let home = home.map(|home| join(home, ""));
+    let is_in_home = |path: &str| {
+        let rest = home.as_deref().and_then(|home| path.strip_prefix(home));
+        rest.is_some_and(|rest| rest.starts_with('/'))
+    };
     is_in_home(found) && !is_in_home(&join(folder, &text)) && found != normalised(&text)
 }
 
@@ -284,6 +291,8 @@ mod tests {
         assert_eq!((folder_of("b"), folder_of("/b")), ("", "/"));
         assert_eq!(with_extension("r.x/S4.robi", "toml"), "r.x/S4.toml");
         assert_eq!(with_extension("S4.robi.txt", "toml"), "S4.toml");
+        let is_foreign = |found| is_from_installation("a.wld", "x", found, Some("/opt/e"));
+        assert_eq!(["/opt/e/worlds/a.wld", "/opt/e2/a.wld", "a.wld"].map(is_foreign), [true, false, false]);
         let extensions = ["a.WLD.txt", "a.b/c.txt", "a.sim.TXT", "a.b.txt", "wld.txt"].map(extension);
         assert_eq!(extensions, ["wld", "txt", "sim", "txt", "txt"]);
         assert_eq!((with_txt("x/a.wld"), with_txt("a.png")), (Some("x/a.wld.txt".to_owned()), None));

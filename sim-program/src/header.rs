@@ -48,31 +48,43 @@ pub fn library_hint(missing: &str) -> Option<String> {
 /// the same name in another folder, or with a name in other case.
 pub fn nearby_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().filter(|name| !name.is_empty())?;
-    let found = find_below(source.parent()?, name, &mut 0, MAX_DEPTH)?;
+    let found = find_below(source.parent()?, name)?;
+    if found == missing {
+        return Some(format!(": `{missing}` is in the program's folder: write `#include \"{missing}\"`, with quotes"));
+    }
     let reason = if missing.eq_ignore_ascii_case(&found) { " (upper and lower case differ)" } else { "" };
     Some(format!(": there is no `{missing}`, but `{found}`: write `#include \"{found}\"`{reason}"))
 }
 
-/// The path relative to `folder` of a file `name` in it or below it, in any case; the nearest one, and the first by
-/// name.
-fn find_below(folder: &Path, name: &str, visited: &mut usize, depth: usize) -> Option<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.sort_unstable();
-    *visited += names.len();
-    if *visited > MAX_ENTRIES {
-        return None;
+/// The path relative to `root` of a file `name` in it or below it, in any case; the nearest one, and the first by name.
+fn find_below(root: &Path, name: &str) -> Option<String> {
+    let mut visited = 0;
+    // Paths of folders relative to `root`, with a slash at the end.
+    let mut folders = vec![String::new()];
+    for _depth in 0..=MAX_DEPTH {
+        let mut deeper = Vec::new();
+        for folder in folders {
+            let path = root.join(&folder);
+            let entries = fs::read_dir(&path).into_iter().flatten().flatten().take(MAX_ENTRIES + 1 - visited);
+            let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+            visited += names.len();
+            if visited > MAX_ENTRIES {
+                return None;
+            }
+            names.sort_unstable();
+            let is_file = |found: &&String| found.eq_ignore_ascii_case(name) && path.join(found.as_str()).is_file();
+            // A name in the same case precedes others.
+            let exact = names.iter().filter(|found| *found == name).find(is_file);
+            if let Some(found) = exact.or_else(|| names.iter().find(is_file)) {
+                return Some(format!("{folder}{found}"));
+            }
+            let is_folder = |path: &Path| path.is_dir() && !path.is_symlink();
+            let below = names.iter().filter(|name| !name.starts_with('.') && is_folder(&path.join(name.as_str())));
+            deeper.extend(below.map(|name| format!("{folder}{name}/")));
+        }
+        folders = deeper;
     }
-    let is_file = |found: &&String| found.eq_ignore_ascii_case(name) && folder.join(found.as_str()).is_file();
-    if let Some(found) = names.iter().find(is_file) {
-        return Some(found.clone());
-    }
-    let deeper = depth.checked_sub(1)?;
-    let is_folder = |path: &Path| path.is_dir() && !path.is_symlink();
-    names
-        .iter()
-        .filter(|found| !found.starts_with('.') && is_folder(&folder.join(found.as_str())))
-        .find_map(|found| Some(format!("{found}/{}", find_below(&folder.join(found), name, visited, deeper)?)))
+    None
 }
 
 #[cfg(test)]
@@ -109,6 +121,11 @@ mod tests {
         assert_eq!(hint("map.h").as_deref(), Some(case));
         let other = ": there is no `../draw.h`, but `lib/inc/draw.h`: write `#include \"lib/inc/draw.h\"`";
         assert_eq!(hint("../draw.h").as_deref(), Some(other));
+        let quotes = ": `Map.h` is in the program's folder: write `#include \"Map.h\"`, with quotes";
+        assert_eq!(hint("Map.h").as_deref(), Some(quotes));
+        write("a/b/near.h");
+        write("z/near.h");
+        assert!(hint("near.h").is_some_and(|hint| hint.contains("but `z/near.h`")), "the nearest one");
         assert_eq!(hint("gone.h"), None);
     }
 }
