@@ -1889,11 +1889,18 @@ def _line_of(trace):
     return linecache.getline(trace.tb_frame.f_code.co_filename, trace.tb_lineno) if trace else ""
 
 
+def _argument_indices(line):
+    """The numbers of the arguments that a line of source uses: 1 for `sys.argv[1]`."""
+    indices = (part.split("]")[0].strip() for part in line.split("argv[")[1:])
+    return [int(index) for index in indices if index.isascii() and index.isdecimal()]
+
+
 def _advice(error, trace):
     """Suggested replacement; None if there is none."""
     if isinstance(error, RecursionError):
         return "the function calls itself for ever: it needs an `if` with a `return` before the call"
-    if isinstance(error, IndexError) and "argv[" in _line_of(trace):
+    used = _argument_indices(_line_of(trace)) if isinstance(error, IndexError) else []
+    if any(index >= len(_sys.argv) for index in used):
         count = len(_sys.argv) - 1
         arguments = "no arguments" if count == 0 else "only 1 argument" if count == 1 else f"only {count} arguments"
         return f"the program has {arguments}: `--args` gives it some, as in `--args VALUE`"
@@ -2084,14 +2091,19 @@ def _hint_at_missing_parentheses(tree, file):
 
 def _hint_at_own_eye(text, path):
     """Reports a module `eye` beside a program that imports `eye`: the simulator's module is used instead."""
-    import re
-
     folder = _os.path.dirname(path)
     found = [name for name in ("eye.py", "eye/__init__.py") if _os.path.isfile(_os.path.join(folder, name))]
-    if not found or not re.search(rb"^[ \t]*(from|import)[ \t]+([\w.]+[ \t]*,[ \t]*)*eye\b", text, re.MULTILINE):
+    if not found:
         return
-    with open(_os.path.join(folder, found[0]), "rb") as file:
-        is_copy = file.read(100).startswith(b'"""RoBIOS-7 for ')
+    import re
+
+    if not re.search(rb"^[ \t]*(from|import)[ \t]+([\w.]+[ \t]*,[ \t]*)*eye\b", text, re.MULTILINE):
+        return
+    try:
+        with open(_os.path.join(folder, found[0]), "rb") as file:
+            is_copy = file.read(100).startswith(b'"""RoBIOS-7 for ')
+    except EnvironmentError:  # OSError; that name is a function of RoBIOS
+        return
     if not is_copy:
         own = "`eye.py`" if found[0] == "eye.py" else "the folder `eye`"
         text = f"`import eye` gives the simulator's module, not {own} beside the program: a module of your own needs another name"
