@@ -78,7 +78,8 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
         ..RunArgs::of_scene(&args.sim)?
     };
     let (robot, program) = choose_robot(args)?;
-    if program.to_ascii_lowercase().ends_with(".py") {
+    let name = program.to_ascii_lowercase();
+    if name.ends_with(".py") || name.ends_with(".py.txt") {
         bail!("`{program}` is a Python program, of which gdb knows nothing: `print` tells of it at its virtual time");
     }
     let mut breakpoints = args.breakpoints.clone();

@@ -195,7 +195,8 @@ impl Collected {
 
 /// Names of the files that a C source includes (in quotation marks) or that a Python program imports.
 fn included_files(path: &Path, text: &str) -> Vec<String> {
-    let is_python = path.extension().is_some_and(|extension| extension == "py");
+    let name = path.to_string_lossy().to_lowercase();
+    let is_python = name.ends_with(".py") || name.ends_with(".py.txt");
     let included_file = |line: &str| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
         Some(rest.split('"').nth(1)?.to_owned())
