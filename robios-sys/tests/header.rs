@@ -53,8 +53,8 @@ fn c_and_cpp_files_of_one_program_link() {
         return;
     }
     let folder = folder();
-    // The header of old names serves sources that include no other header with these declarations.
-    let headers = c::HEADERS6.iter().filter(|header| header.name != c::OLD_NAMES_HEADER);
+    // These headers serve sources that include no other header with their declarations.
+    let headers = c::HEADERS6.iter().filter(|header| ![c::TRUTH_HEADER, c::OLD_NAMES_HEADER].contains(&header.name));
     let include_all: String = headers.map(|header| format!("#include \"{}\"\n", header.name)).collect();
     let write = |name: &str, text: &str| {
         std::fs::write(folder.path().join(name), include_all.clone() + text).expect("the temporary folder is writable");

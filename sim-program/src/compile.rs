@@ -383,9 +383,11 @@ impl<'a> Compilation<'a> {
         // Calls of undeclared functions may pass arguments of wrong types, so the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let needs_robios_header = undeclared.iter().any(|name| self.generation.has_function(name));
+        let needs_truth = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
         let needs_old_names = undeclared.iter().any(|name| c::OLD_NAMES.contains(&name.as_str()));
         let headers = [
             (!undeclared.is_empty()).then_some(c::C_LIBRARY_HEADER),
+            needs_truth.then_some(c::TRUTH_HEADER),
             needs_old_names.then_some(c::OLD_NAMES_HEADER),
             needs_robios_header.then_some("eyebot.h"),
         ];

@@ -64,8 +64,8 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
     ),
     (
         "own-none.c",
-        "#include \"eyebot.h\"\nenum { FORWARD = 3, NONE, NL };\nint main() { VWStraight(10, 100); printf(\"%d %d\\n\", NONE, NL); return 0; }\n",
-        &["4 5"],
+        "#include \"eyebot.h\"\nenum { FORWARD = 3, NONE, NL };\nint main() { VWStraight(10, 100); printf(\"%d %d %d\\n\", NONE, NL, TRUE); return 0; }\n",
+        &["4 5 1"],
     ),
     (
         "single-keys.c",

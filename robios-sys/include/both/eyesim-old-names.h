@@ -2,10 +2,6 @@
 #ifndef EYESIM_OLD_NAMES_H
 #define EYESIM_OLD_NAMES_H
 
-#define TRUE 1
-#define FALSE 0
-typedef int BOOL;
-
 #define NONE 0   /* OSInitRS232, SERInit: no handshake */
 #define RTSCTS 1 /* OSInitRS232, SERInit: handshake by RTS and CTS */
 

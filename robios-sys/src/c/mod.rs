@@ -36,6 +36,7 @@ pub const HEADERS6: &[SourceFile] = files![
     "include/robios6" / "protos.h",
     "include/robios6" / "variants.h",
     "include/both" / "eyesim-c-library.h",
+    "include/both" / "eyesim-truth.h",
     "include/both" / "eyesim-old-names.h",
     "include/both" / "eyesim.h",
     "include/both" / "librobi/librobi.h",
@@ -49,6 +50,7 @@ pub const HEADERS7: &[SourceFile] = files![
     "include/robios7" / "variants.h",
     "include/robios7" / "X11/Xlib.h",
     "include/both" / "eyesim-c-library.h",
+    "include/both" / "eyesim-truth.h",
     "include/both" / "eyesim-old-names.h",
     "include/both" / "eyesim.h",
     "include/both" / "librobi/librobi.h",
@@ -58,14 +60,20 @@ pub const HEADERS7: &[SourceFile] = files![
 /// without a declaration.
 pub const C_LIBRARY_HEADER: &str = "eyesim-c-library.h";
 
+/// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`TRUTH`] without a
+/// declaration. It is separate, since a source that uses `TRUE` may define some of [`OLD_NAMES`] itself.
+pub const TRUTH_HEADER: &str = "eyesim-truth.h";
+
+/// Names of [`TRUTH_HEADER`].
+pub const TRUTH: [&str; 3] = ["TRUE", "FALSE", "BOOL"];
+
 /// The header of [`HEADERS6`] and [`HEADERS7`] that is included before a source that uses one of [`OLD_NAMES`] without
 /// a declaration.
 pub const OLD_NAMES_HEADER: &str = "eyesim-old-names.h";
 
 /// Names of [`OLD_NAMES_HEADER`]: those of the other generation, of demonstration programs and of older headers. They
 /// are not in `eyebot.h`, since many programs define some of them themselves.
-pub const OLD_NAMES: [&str; 10] =
-    ["TRUE", "FALSE", "BOOL", "NONE", "RTSCTS", "NL", "CAMWAIT", "TimerHandle", "TIMER", "keycode_t"];
+pub const OLD_NAMES: [&str; 7] = ["NONE", "RTSCTS", "NL", "CAMWAIT", "TimerHandle", "TIMER", "keycode_t"];
 
 /// Flag for a source whose names collide with the additional names of RoBIOS-7's `types.h`.
 pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";
