@@ -527,7 +527,10 @@ impl<'a> Loader<'a> {
             return (!is_classic).then(empty_box);
         };
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
-        if path::is_from_installation(&line.path.text, folder, &path, self.files.home()) {
+        // A file at another place is reported already.
+        let home = self.files.home();
+        let is_at_its_place = path::candidates(&line.path.text, folder, home).contains(&path);
+        if is_at_its_place && path::is_from_installation(&line.path.text, folder, &path, home) {
             self.tell_of_installation(&sim.file, folder, &line.path, (&path, &bytes));
         }
         let rules = CellRules { dialect: sim.run.dialect, cell: line.cell };

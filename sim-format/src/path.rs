@@ -153,7 +153,8 @@ fn strip_installation(text: &str) -> Option<&str> {
     prefix.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))
 }
 
-fn is_absolute(text: &str) -> bool {
+/// Returns true for `/NAME` and `C:/NAME`.
+pub fn is_absolute(text: &str) -> bool {
     let bytes = text.as_bytes();
     text.starts_with('/') || bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/"
 }

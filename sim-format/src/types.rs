@@ -223,7 +223,7 @@ const MAX_FILES: usize = 200;
 fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let mut files = 0;
-    visit_nearby(loader.files, folder, |relative, name| {
+    visit_nearby(loader.files, folder, DEPTH_BELOW, |relative, name| {
         let (keyword, read): (_, fn(&str, &str) -> String) = match path::extension(name).as_str() {
             "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
             "robi" => ("robi", |file, text| super::read_robi(file, text).0.name),
@@ -240,10 +240,11 @@ fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     lines
 }
 
-/// Paths, relative to `folder`, of files near `folder` that have the name `wanted` in either case.
+/// Paths, relative to `folder`, of files near `folder` that have the name `wanted` in either case. Only folders directly
+/// below the searched ones are read, since this search is part of loading correct scenes.
 pub(super) fn files_nearby(files: &dyn Files, folder: &str, wanted: &str) -> Vec<String> {
     let mut found = Vec::new();
-    visit_nearby(files, folder, |relative, name| {
+    visit_nearby(files, folder, 1, |relative, name| {
         if name.eq_ignore_ascii_case(wanted) {
             found.push(relative.to_owned());
         }
@@ -252,14 +253,14 @@ pub(super) fn files_nearby(files: &dyn Files, folder: &str, wanted: &str) -> Vec
     found
 }
 
-/// Calls `visit` with the relative path and the name of each entry of the folders near `folder`, until it returns
-/// false.
-fn visit_nearby(files: &dyn Files, folder: &str, mut visit: impl FnMut(&str, &str) -> bool) {
+/// Calls `visit` with the relative path and the name of each entry of the folders near `folder`, down to `depth` levels
+/// below them, until it returns false.
+fn visit_nearby(files: &dyn Files, folder: &str, depth: usize, mut visit: impl FnMut(&str, &str) -> bool) {
     let mut entries = 0;
     // Folders relative to the sim file's folder, with a slash at the end; the last is searched first.
     let tree = (1..=LEVELS_ABOVE).rev().flat_map(|up| TREE_FOLDERS.map(|name| format!("{}{name}/", "../".repeat(up))));
     let mut folders: Vec<(String, usize)> =
-        tree.chain([String::new()]).map(|relative_folder| (relative_folder, DEPTH_BELOW)).collect();
+        tree.chain([String::new()]).map(|relative_folder| (relative_folder, depth)).collect();
     while let Some((relative_folder, depth)) = folders.pop() {
         let mut names = files.list(&path::join(folder, &relative_folder));
         names.sort_unstable();

@@ -12,7 +12,7 @@ use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::{Language, without_txt};
 use crate::files::open_regular;
-use sim_format::path::relocated_candidates;
+use sim_format::path::{is_absolute, relocated_candidates};
 
 /// Folders that are searched for programs, in this order: the sim file's folder, the working folder, further folders.
 #[derive(Clone, Debug, Default)]
@@ -218,8 +218,10 @@ impl Finder<'_> {
         let installation = self.search.installation.as_deref().and_then(text);
         // `~/eyesim/maze.x`
         let path = reference.trim().trim_start_matches('~');
-        let moved = relocated_candidates(path, &folder, installation.as_deref()).into_iter().map(PathBuf::from);
-        let moved: Vec<PathBuf> = moved.collect();
+        // A mistyped relative path on the command line must not run another program of this name.
+        let may_move = self.search.sim_folder.is_some() || is_absolute(&path.replace('\\', "/"));
+        let moved = may_move.then(|| relocated_candidates(path, &folder, installation.as_deref()));
+        let moved: Vec<PathBuf> = moved.into_iter().flatten().map(PathBuf::from).collect();
         let all = moved.iter().cloned().chain(self.candidates(reference));
         let other_case: Vec<PathBuf> = all.filter_map(|path| in_other_case(&path)).collect();
         let source = moved.iter().chain(&other_case).find_map(|path| self.search_at(path));

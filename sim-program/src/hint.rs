@@ -91,11 +91,9 @@ fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
     if let Some((_, instead)) = ABSENT_HEADERS.iter().find(|(headers, _)| headers.contains(&missing)) {
         Some(format!(": `{missing}`: {instead}"))
-    } else if let Some(hint) = library_hint(missing) {
-        Some(hint)
     } else if name.to_lowercase().starts_with("robios") || name.eq_ignore_ascii_case("eyebot.h") {
         Some(format!(": there is no `{missing}`: write `#include \"eyebot.h\"`"))
-    } else if let Some(hint) = nearby_hint(missing, source) {
+    } else if let Some(hint) = nearby_hint(missing, source).or_else(|| library_hint(missing)) {
         Some(hint)
     } else if ROBIOS_PARTS.contains(&name.to_lowercase().as_str()) {
         Some(format!(": `{missing}` is a part of RoBIOS: remove the line, since `eyebot.h` contains it"))

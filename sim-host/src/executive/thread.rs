@@ -193,16 +193,19 @@ impl ThreadFlow {
 }
 
 impl RobotThreads {
-    /// Lets `flow` continue, bound to the processor of the robot's worker.
+    /// Lets `flow` continue, bound to the processor of the robot's worker. A flow that serves a child is not bound if there
+    /// is a processor for each of the two: they spin.
     fn wake(&self, flow: &ThreadFlow) {
         let worker = self.worker.load(Ordering::Relaxed);
         if let Some(processor) = self.processors.get(worker as usize)
             && flow.worker.swap(worker, Ordering::Relaxed) != worker
         {
-            bind(flow.block.tid.load(Ordering::Relaxed), *processor);
-            if let Some(child) = self.child.get() {
-                bind(child.first().thread().cast_signed(), *processor);
-                child.note_binding();
+            let child = self.child.get();
+            if child.is_none() || !Child::has_processors() {
+                bind(flow.block.tid.load(Ordering::Relaxed), *processor);
+                if let Some(thread) = child.and_then(|child| child.bound_thread()) {
+                    bind(thread, *processor);
+                }
             }
         }
         flow.is_resumed.store(true, Ordering::Release);

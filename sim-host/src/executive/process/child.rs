@@ -198,9 +198,17 @@ impl Child {
         }
     }
 
-    /// Records that the child's thread is bound to the processor of the thread that serves it.
-    pub fn note_binding(&self) {
+    /// See [`Spinning::has_processors`].
+    pub fn has_processors() -> bool {
+        Spinning::has_processors()
+    }
+
+    /// The child's thread that runs `main`, to be bound to the processor of the thread that serves it: from now on, that
+    /// thread does not spin. `None` if the child names a thread that is not its own.
+    pub fn bound_thread(&self) -> Option<i32> {
         self.spinning.note_binding();
+        let thread = self.first.thread().cast_signed();
+        Path::new(&format!("/proc/{}/task/{thread}", self.pid)).exists().then_some(thread)
     }
 
     /// The channel of the thread that runs `main`.

@@ -48,18 +48,23 @@ impl Spinning {
         self.is_bound.store(true, Ordering::Relaxed);
     }
 
+    /// Returns true if there is a processor for each child, and another one for each thread that serves a child.
+    pub fn has_processors() -> bool {
+        are_enough(host::processors(), CHILDREN.load(Ordering::Relaxed))
+    }
+
     /// Spins until the host has the turn on `channel`, or for a limited time, if that is worth it.
     pub fn spin(&self, channel: &Channel) {
-        if self.is_worth_it(CHILDREN.load(Ordering::Relaxed), host::processors()) {
+        if self.is_worth_it(Self::has_processors()) {
             let limit = if channel.has_woken() { WAKE_TIME } else { CODE_TIME };
             self.record(channel.spin_for(Turn::Host, limit));
         }
     }
 
     /// Counts a wait. Returns true if it may begin with a spin.
-    fn is_worth_it(&self, children: usize, processors: usize) -> bool {
+    fn is_worth_it(&self, has_processors: bool) -> bool {
         let is_probe = self.waits.fetch_add(1, Ordering::Relaxed).is_multiple_of(PERIOD);
-        2 * children <= processors
+        has_processors
             && !self.is_bound.load(Ordering::Relaxed)
             && (is_probe || self.failures.load(Ordering::Relaxed) <= MAX_FAILURES)
     }
@@ -78,6 +83,10 @@ impl Drop for Spinning {
     }
 }
 
+fn are_enough(processors: usize, children: usize) -> bool {
+    processors / 2 >= children
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,7 +94,7 @@ mod tests {
     #[test]
     fn spins_end_when_most_are_in_vain_and_begin_again() {
         let spinning = Spinning::of_child();
-        let spins = |waits: u32| (0..waits).filter(|_| spinning.is_worth_it(1, 2)).count();
+        let spins = |waits: u32| (0..waits).filter(|_| spinning.is_worth_it(true)).count();
         assert_eq!(spins(PERIOD), PERIOD as usize);
         // One spin in vain among many does not matter.
         for has_message in [false, true, true, false, true, true] {
@@ -100,12 +109,13 @@ mod tests {
 
     #[test]
     fn spins_need_two_processors_for_each_child() {
-        let spinning = Spinning::of_child();
-        let expected = [(1, 1, false), (1, 2, true), (2, 2, false), (2, 4, true), (5, 8, false)];
-        for (children, processors, may_spin) in expected {
-            assert_eq!(spinning.is_worth_it(children, processors), may_spin, "{children} on {processors}");
+        let expected = [(1, 1, false), (2, 1, true), (3, 2, false), (4, 2, true), (8, 5, false)];
+        for (processors, children, is_enough) in expected {
+            assert_eq!(are_enough(processors, children), is_enough, "{children} on {processors}");
         }
+        let spinning = Spinning::of_child();
+        assert!(spinning.is_worth_it(true) && !spinning.is_worth_it(false));
         spinning.note_binding();
-        assert!(!spinning.is_worth_it(1, 8), "the child shares its processor");
+        assert!(!spinning.is_worth_it(true), "the child shares its processor");
     }
 }
