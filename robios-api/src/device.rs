@@ -76,7 +76,8 @@ names! {
     ServoAt {
         Servo1 = SERVO1, Servo2 = SERVO2, Servo3 = SERVO3, Servo4 = SERVO4, Servo5 = SERVO5, Servo6 = SERVO6,
         Servo7 = SERVO7, Servo8 = SERVO8, Servo9 = SERVO9, Servo10 = SERVO10, Servo11 = SERVO11, Servo12 = SERVO12,
-        Steer = SERVO_STEER, Camera = SERVO_CAMERA,
+        Servo13 = SERVO13, Servo14 = SERVO14, Servo15 = SERVO15, Servo16 = SERVO16, Steer = SERVO_STEER,
+        Camera = SERVO_CAMERA,
     }
     /// Name of a bumper.
     BumperAt {
