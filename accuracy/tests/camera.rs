@@ -1,5 +1,5 @@
-//! Pictures of cameras, compared with the slow reference: every pixel is equal within a grey level, except on
-//! silhouettes.
+//! Pictures of cameras, compared with the slow reference: the colours of every pixel agree within a grey level, except
+//! on silhouettes.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -26,7 +26,7 @@ const VIEWS: usize = 100;
 
 const LENSES: [Lens; 2] = [Lens::Pinhole { fov: 1.0 }, Lens::Fisheye { fov: 2.8 }];
 
-/// File system rooted at the repository.
+/// File system of this machine, with the repository as the installation's folder.
 struct Disk(String);
 
 impl Files for Disk {
@@ -86,8 +86,8 @@ fn world(scene: &SceneSpec) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions).with_objects(objects)
 }
 
-/// Random view number `number`, and the robot whose camera it is: every other view is from a robot, the others from
-/// points above the floor.
+/// Random view number `number`, and the robot that carries the camera. Every other view is from a robot, if the scene
+/// has robots; the others are from points above the floor.
 fn random_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2]) -> (View, Option<RobotId>) {
     let lens = LENSES[number / 2 % 2];
     let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|max| random.between(-max, max));

@@ -49,7 +49,8 @@ fn detected_corners_match_their_projections() {
     }
 }
 
-/// Scenery of a large face. Its first edge passes through `middle` along `edge`; the face is on the side of `inwards`.
+/// Scenery of a large parallelogram. Its first edge passes through `middle` along `edge`; the other points are on the
+/// side of `inwards`.
 fn half_plane(middle: DVec3, edge: DVec3, inwards: DVec3) -> Scenery {
     let corner = |along: f64, inside: f64| middle + along * edge + inside * inwards;
     let mesh = Mesh {
@@ -82,7 +83,7 @@ fn edges_divide_pixels_at_their_projections() {
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let distance = random.between(0.5, 5.0);
             let (edge, inwards) = (random.direction_in_space(), random.direction_in_space());
-            // Point at `distance` in the direction of a point of the image.
+            // Point at `distance` from the camera on the line of sight through a point of the image.
             let point = |at: DVec2| position + distance * view.direction(at).expect("within the image");
             let [here, there] = [0.0, 1e-3].map(|along| view.project(point(pixel) + along * edge).expect("ahead"));
             let across = (there - here).perp().normalize_or_zero();

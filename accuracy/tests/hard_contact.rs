@@ -33,8 +33,8 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Criterion: 10 km from the origin, the instant of each contact is exact within 1e-8 s. Its error comes from the
-/// rounding error of a coordinate of 1e4 m (2e-12 m), divided by the speed of approach.
+/// Criterion: at coordinates of 10 km, the instant of each contact is exact within 1e-8 s. The error is the rounding
+/// error of a coordinate of 1e4 m (2e-12 m), divided by the speed of approach.
 #[test]
 fn contacts_ten_kilometres_away_are_exact() {
     let mut random = Random::new(21);
@@ -76,7 +76,7 @@ fn first_of_many_walls_stops_the_robot_at_any_speed() {
 }
 
 /// Criterion: two robots that meet head on stop at a gap of one skin, even if they would pass through each other within
-/// one slot. The ratio of their travelled distances is the ratio of their speeds, within 1 um of distance.
+/// one slot. The ratio of the distances that they travel is the ratio of their speeds, within 1 um of distance.
 #[test]
 fn head_on_robots_stop_at_a_gap_of_one_skin_at_any_speed_and_slot() {
     for slot in [1_000, 50_000, 1_000_000] {
@@ -189,7 +189,7 @@ fn robot_drives_through_a_passage_one_millimetre_wider_than_itself() {
 }
 
 /// Criterion: in a thousand random drives among boxes, the gap between the robot and each wall is never smaller than
-/// the skin, except for rounding of 1e-12 m. The poses are bit-identical for slots of 1 ms and of 1 s.
+/// the skin, except for rounding of 1e-12 m. Poses and numbers of contacts are equal for slots of 1 ms and of 1 s.
 #[test]
 fn thousand_drives_among_boxes_keep_a_gap_of_one_skin() {
     let walls = room_with_boxes(3, DVec2::splat(-2.0), 4.0, 12);

@@ -31,7 +31,7 @@ fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Noise large enough to affect every bit.
+/// Unequal wheels, slip and noise, large enough to change every state of a moving robot.
 fn imperfection() -> Imperfection {
     let noise = TwistNoise { speed: 0.02, speed_share: 0.05, turn: 0.1, turn_share: 0.05 };
     Imperfection {
@@ -44,7 +44,7 @@ fn imperfection() -> Imperfection {
     }
 }
 
-/// States at and between a fixed sequence of commands, for one robot in a small room with slots of `slot`.
+/// States at each command of a fixed sequence and 3.217 ms later, for one robot in a small room with slots of `slot`.
 fn run_commands(mut motion: Motion, slot: Time) -> Vec<State> {
     let mut world = World::new(small_room(), slot, [&mut motion]);
     let commands = [
@@ -75,8 +75,8 @@ fn small_room() -> Arc<Walls> {
     Arc::new(Walls::new(room(DVec2::splat(-0.1), 0.2)))
 }
 
-/// Criterion: all bits of poses, odometry, wheels and path are equal, for straight lines, curves, turns, speeds, walls
-/// and motors, with lag, controllers, wheel controllers and imperfections.
+/// Criterion: poses, odometry, wheel angles and path lengths are exactly equal for slots of any length. The commands
+/// are drives, speeds and wheel rates near walls. Robots have lag, controllers, wheel controllers and imperfections.
 #[test]
 fn states_have_equal_bits_for_any_slot_length() {
     let lagging_model = Model { wheel_lag: 0.04, axis_offset: 0.01, ..model() };
@@ -106,7 +106,7 @@ fn states_have_equal_bits_for_any_slot_length() {
     }
 }
 
-/// Criterion: a drive ends at its angle and arc length to 1e-12 m, from 1e-300 to 1e4 rad/s, in both directions.
+/// Criterion: a drive ends within 1e-12 m of the end of its arc, at 1e-300 to 1e4 rad/s in both directions.
 #[test]
 fn drives_end_exactly_at_any_turning_speed() {
     let fast_model = Model { max_wheel_rate: 1e9, ..model() };
@@ -133,8 +133,8 @@ fn drives_end_exactly_at_any_turning_speed() {
     }
 }
 
-/// Criterion: after a million turns on a circle in one piece of motion, the position is exact up to the rounding of the
-/// commanded rate times the time.
+/// Criterion: after a million turns on a circle in one piece of motion, the position is exact except for the rounding
+/// of the angle, which is the commanded turning speed times the time.
 #[test]
 fn million_turns_stay_on_the_circle() {
     let mut motion = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2));
@@ -147,15 +147,15 @@ fn million_turns_stay_on_the_circle() {
     let (sin, cos) = (angle + Wide::from(0.2)).sin_cos();
     let pose = state.world_from_axle;
     let (found_sin, found_cos) = math::sin_cos(pose.heading.remainder());
-    // The angle of 6e6 rad is rounded to 1e-9, about a millionth of a degree.
+    // The angle of 6e6 rad is rounded to 1e-9 rad, less than a ten-millionth of a degree.
     assert!((found_sin - sin.rounded()).abs() < 2e-9 && (found_cos - cos.rounded()).abs() < 2e-9);
     let start = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2)).state(Time::ZERO);
     assert!((pose.position - start.world_from_axle.position).length() < 1e-6, "{pose:?}");
     assert!((state.path_length - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path_length);
 }
 
-/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are
-/// rounded to 2e-12 m).
+/// Criterion: relative to its start, a course with curves at coordinates of 10 km ends within 1e-9 m of the same course
+/// at the origin (1e4 m are rounded to 2e-12 m).
 #[test]
 fn course_ten_kilometres_away_is_the_same() {
     let lagging_model = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
@@ -180,8 +180,8 @@ fn course_ten_kilometres_away_is_the_same() {
     }
 }
 
-/// Criterion: a million drives of a micrometre add up to a metre, within their rounding; a drive back by a metre
-/// returns to the start.
+/// Criterion: a million drives of a micrometre add up to a metre within 1e-10 m; a drive back by a metre returns to the
+/// start.
 #[test]
 fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, 0.5));
@@ -202,8 +202,8 @@ fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     assert!(motion.pose(end).position.length() < 1e-10);
 }
 
-/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. A drive of
-/// negative length goes back by the same distance as a drive of this positive length goes forwards.
+/// Criterion: drives of zero or vanishing length end within two ticks without motion, also with lag and imperfections.
+/// A drive of negative length goes as far back as the drive of the opposite length goes forward.
 #[test]
 fn zero_and_negative_drives_end() {
     let lagging_model = Model { wheel_lag: 0.05, ..model() };
@@ -230,9 +230,9 @@ fn zero_and_negative_drives_end() {
     }
 }
 
-/// Criterion: controllers that demand more than the maximum speed reach it and do not exceed it. Afterwards they reach
-/// a lower commanded speed in less than 0.3 s, so there is no integrator windup. With gains of any size all numbers
-/// stay finite.
+/// Criterion: a robot whose controllers demand more than the maximum speed reaches this speed and does not exceed it.
+/// Afterwards the robot reaches a lower commanded speed within 0.3 s, so there is no integrator windup. With gains of
+/// any size all numbers stay finite.
 #[test]
 fn saturated_controllers_keep_the_limit_and_recover() {
     let lagging_model = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
@@ -248,7 +248,7 @@ fn saturated_controllers_keep_the_limit_and_recover() {
     motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("valid");
     let speed = motion.speed(at + Time(300_000)).vx;
     assert!((speed - 0.1).abs() < 0.02, "{speed} m/s");
-    // A drive that demands more than the limit takes longer and ends at its target.
+    // A drive that demands more than the maximum speed takes longer and ends at its target.
     motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("valid");
     let before = motion.path_length(at + Time(1_000_000));
     let end = motion.drive_end().expect("the drive ends");

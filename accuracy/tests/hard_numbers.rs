@@ -1,6 +1,6 @@
-//! NaN, infinities and extreme numbers as arguments of all functions of motions and worlds.
+//! NaN, infinities and extreme numbers as arguments of commands, placements, controllers and rays.
 //!
-//! Criterion: each number is rejected, or accepted with all poses finite; afterwards the robot drives to its target.
+//! Criterion: each number is rejected, or accepted with all poses finite; afterwards the robot moves as usual.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use sim_core::time::Time;
 use sim_core::world::{Ray, World};
 use sim_core::{ObjectId, RobotId};
 
-/// Numbers that are not finite or extreme.
+/// NaN, infinities, numbers of extreme magnitude, both zeros and -1.
 const EXTREME_NUMBERS: [f64; 18] = [
     f64::NAN,
     f64::INFINITY,
@@ -131,7 +131,8 @@ fn motion_rejects_extreme_numbers_or_stays_finite() {
                         "{context} changed something"
                     );
                 }
-                // Without lag there are no ticks, so the test looks a day ahead, beyond the ends of drives.
+                // Without lag, motion is not computed tick by tick, so the test looks a day ahead, beyond the ends of
+                // drives.
                 let ahead = if motion.model().wheel_lag > 0.0 { 1_000_000 } else { 86_400_000_000 };
                 for delay in [0, 1, 10_000, 500_000, ahead] {
                     assert!(

@@ -24,7 +24,7 @@ fn closed_polygon(corners: &[DVec2]) -> Vec<Segment> {
     (0..corners.len()).map(|index| Segment::new(corners[index], corners[(index + 1) % corners.len()])).collect()
 }
 
-/// Number that is `ulps` units in the last place above `value`.
+/// Number that is `ulps` units in the last place above `value`, or below it if `ulps` is negative.
 fn nudged(value: f64, ulps: i64) -> f64 {
     (0..ulps.abs()).fold(value, |value, _| if ulps > 0 { value.next_up() } else { value.next_down() })
 }
@@ -65,7 +65,8 @@ fn no_ray_leaves_a_closed_polygon() {
                     panic!("{count} corners: from {origin} along {direction} at {kind}, the ray leaves the polygon")
                 });
                 assert!(hit.distance <= 2.1, "{count} corners, at {kind}: {hit:?}");
-                // Tolerance of a touch (see `Walls`): 8 * 2^-52 times the sum of the origin's coordinates, 2 * 10^6 m.
+                // Tolerance of a touch (see `Walls`): 8 * 2^-52 times the sum of the origin's coordinates, at most
+                // 2 * 10^6 m.
                 let error = walls.segment(hit.wall).distance(origin + direction * hit.distance);
                 assert!(error < 4e-9, "{count} corners, at {kind}: {error} m off the wall");
                 rays += 1;
@@ -115,9 +116,8 @@ fn grazing_rays_hit_a_wall_at_the_right_distance() {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding displaces the wall sideways by a multiple of 2^-52 m. This displaces the hit along the ray by
-            // the same distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on
-            // it.
+            // Rounding displaces the wall sideways by a few times 2^-52 m, and therefore the hit along the ray by this
+            // distance divided by `angle`. If the wall is within the tolerance of a touch, the ray starts on the wall.
             let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
             assert!(
@@ -146,15 +146,15 @@ fn first_of_coincident_walls_is_hit_and_points_are_ignored() {
         let (one, other) = (single.cast(origin, direction, 30.0), multiple.cast(origin, direction, 30.0));
         let (one, other) = (one.expect("a closed room"), other.expect("a closed room"));
         assert!((one.distance - other.distance).abs() < 1e-12, "within 1 pm: {one:?}, {other:?}");
-        // At a corner, rounding decides which of its walls is nearer.
+        // At a corner, rounding decides which of the corner's walls is nearer.
         assert!(round % 2 == 1 || one == other, "not the first of three: {one:?}, {other:?}");
     }
 }
 
 #[test]
 fn readings_do_not_depend_on_the_origin() {
-    // Coordinates are multiples of 2^-20 m, so that the world can be moved by about 10 km, 1,000 km and 10^6 km without
-    // rounding.
+    // Coordinates are multiples of 2^-20 m, so that the world can be moved along each axis by 2^13 m, 2^20 m and 2^30 m
+    // (8 km, 1,000 km and 10^6 km) without rounding.
     let resolution = (1 << 20) as f64;
     let rounded = |point: DVec2| (point * resolution).round() / resolution;
     let scene: Vec<Segment> = world::room_with_boxes(5, DVec2::ZERO, 20.0, 74)
@@ -162,7 +162,7 @@ fn readings_do_not_depend_on_the_origin() {
         .map(|wall| Segment::new(rounded(wall.a), rounded(wall.b)))
         .collect();
     let near = Walls::new(scene.clone());
-    // A ray that misses a corner by a few units in the last place of the offset may hit it in the moved world.
+    // A ray that misses a corner by a few units in the last place of the offset may hit this corner in the moved world.
     for (offset, ulp) in [(8192.0, 1e-12), (1_048_576.0, 2.4e-10), (1_073_741_824.0, 2.4e-7)] {
         let offset = DVec2::new(offset, -offset);
         let far = Walls::new(scene.iter().map(|wall| Segment::new(wall.a + offset, wall.b + offset)).collect());
@@ -262,8 +262,8 @@ fn extreme_walls_do_not_hide_other_walls() {
             for (index, extreme) in extreme_walls.into_iter().enumerate() {
                 let walls = Walls::new(vec![extreme, ordinary_wall]);
                 let hit = walls.cast(DVec2::new(0.0, 0.5), DVec2::X, 2.0);
-                // The extreme wall itself may cross the ray before the ordinary one; for a wall 10^15 m long, 2 m are
-                // below rounding.
+                // The extreme wall itself may cross the ray before the ordinary wall. For a wall longer than 10^15 m,
+                // the tolerance of a touch is about 2 m or more.
                 let may_block = index == 2 || extreme.length() > 1e15;
                 let is_extreme_wall = may_block && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
                 let is_ordinary_wall =

@@ -75,7 +75,7 @@ fn camera_in_a_wall_shows_its_inside_and_camera_on_a_face_does_not_show_that_fac
     for view in &views {
         assert!(camera.labels(&posed, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
     }
-    // The camera is on the face at x = 0.1. In front of it is the other wall, behind it the opposite face of this wall.
+    // The camera is on the face at x = 0.1. Ahead is the other wall; behind is the opposite face of this wall.
     let touching = DVec3::new(0.1, 0.5, -0.25);
     let views = [0.0, 0.3, PI, 2.0].map(|yaw| view(Pose3::from_angles(touching, 0.0, 0.0, yaw), PINHOLE, [20, 15]));
     assert_agrees("touching", &scene, &views);
@@ -109,7 +109,7 @@ fn faces_across_the_camera_plane_match_the_reference() {
     }
 }
 
-/// A floor of 4 m by 3 m with an image and two spots.
+/// A floor of 4 m by 3 m with a texture and two spots, on which a pole stands.
 fn floor() -> Scenery {
     let pixels =
         (0..64).map(|index| if (index % 8 + index / 8) % 2 == 0 { [250, 240, 30, 255] } else { [20, 40, 90, 255] });
@@ -150,7 +150,7 @@ fn vertical_and_grazing_views_match_the_reference() {
 
 #[test]
 fn pictures_do_not_depend_on_the_origin() {
-    // Powers of two, so the offset is not rounded.
+    // 18 km from the origin.
     let far = DVec3::new(16_384.0, -8192.0, 0.0);
     let mesh = room::room();
     let part = |position: DVec3| Part {
@@ -225,7 +225,7 @@ fn pictures_of_any_size_match_the_reference() {
     let stand = room::stands(1)[0];
     let pose = stand.pose();
     for size in [[1, 1], [1, 33], [33, 1], [17, 3], [8192, 1], [1920, 1080]] {
-        // The image's longer side covers the lens's full field.
+        // The fisheye's field of view is 3 rad over the longer side of the image.
         let share = f64::from(size[0]) / f64::from(size[0].max(size[1]));
         for lens in [PINHOLE, Lens::Fisheye { fov: 3.0 * share }] {
             let view = view(pose, lens, size);
@@ -297,7 +297,7 @@ fn closed_room_shows_no_sky() {
         let scene = scenery([mesh]);
         let posed = scene.pose_at(&empty(), Time::ZERO);
         for number in 0..1000 {
-            // Every other view is from a grid position with a heading of n * 45 degrees, so edges pass through the
+            // Every other view is from a grid position with a heading of n * 90 degrees, so edges pass through the
             // centres of pixels.
             let (offset, pose): (DVec3, Pose3) = if number % 2 == 0 {
                 let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);

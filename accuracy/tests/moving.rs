@@ -35,7 +35,7 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
         found.sort();
         for (id, bounds) in &sorted {
             let count = found.iter().filter(|&other| other == id).count();
-            // Bodies that the ray misses by less than their size may also be visited.
+            // A body that the ray misses by less than the body's size may also be visited.
             let size = (bounds.max - bounds.min).length();
             let (must, may) = [-1e-9, 1e-9 + size].map(|margin| meets(bounds, origin, direction, range, margin)).into();
             assert!(

@@ -285,8 +285,8 @@ fn readings_of_every_kind_and_preset_match_their_model() {
                 );
                 continue;
             }
-            // At the start of the run the drift is at its maximum. A model with only `bias_sigma` gives the bias drawn
-            // for the sensor.
+            // At the start of the run the drift is at its maximum. A model with `bias_sigma` alone gives the bias that
+            // was drawn for the sensor.
             let biased = sensor(RangeNoise { bias_sigma: model.bias_sigma, ..RangeNoise::default() });
             let offset = biased.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
             let (mean, sigma) = (EXACT + model.bias + offset + model.drift, model.sigma_at(EXACT));
@@ -303,7 +303,7 @@ fn readings_of_every_kind_and_preset_match_their_model() {
                 let mut outliers: Vec<f64> = sample.into_iter().filter(|read| (read - reading).abs() > 1e-12).collect();
                 assert_p(&format!("{what}: outliers"), binomial(outliers.len() as u64, count, model.outlier));
                 if !outliers.is_empty() {
-                    // The step is at most a thousandth of the range.
+                    // The rounding of outliers is negligible: the step is at most a thousandth of the range.
                     let moments = Moments::of(&outliers);
                     assert_p(&format!("{what}: mean of outliers"), moments.mean_is(50.0, 1e4 / 12.0));
                     assert_p(&format!("{what}: where outliers are"), kolmogorov(&mut outliers, |x| x / 100.0));
@@ -559,8 +559,8 @@ fn twist_between(before: Pose, after: Pose) -> Twist {
         .scaled(1.0 / TICK.seconds())
 }
 
-/// Checks that twists are normal with the mean `mean` and the deviations of `noise`, and that their components are
-/// independent.
+/// Checks that twists are normal with the mean `mean` and the deviations of `noise`, and that neither speed and turning
+/// speed nor successive ticks are correlated.
 fn check_twists(what: &str, twists: &[Twist], mean: Twist, noise: TwistNoise) {
     let component = |part: fn(&Twist) -> f64| twists.iter().map(part).collect::<Vec<_>>();
     let speed = |x: f64| hypot(noise.speed, noise.speed_share * x);

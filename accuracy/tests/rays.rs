@@ -97,7 +97,7 @@ fn rays_at_corners_do_not_leave_a_closed_polygon() {
                 let (sin, cos) = math::sin_cos(f64::from(number % corners) * 1.234_567 % std::f64::consts::TAU);
                 centre + DVec2::new(cos, sin) * radius
             };
-            // A star polygon: its walls cross, and each corner belongs to two walls.
+            // A polygon in which each corner belongs to two walls. With 7 or more corners its walls cross (a star).
             let walls = Walls::new((0..corners).map(|n| Segment::new(corner(n), corner(n + 1))).collect());
             let mut random = Random::new(u64::from(corners));
             for _ in 0..500 {
@@ -195,8 +195,8 @@ fn degenerate_scenes_match_brute_force() {
         assert!((hit.distance - 5.0).abs() < TOLERANCE && hit.wall == WallId(0), "{hit:?}");
         assert_eq!(walls.cast(DVec2::ZERO, DVec2::X, 9.0), None);
     }
-    // Three scenes of 300 walls of a millimetre: walls around the origin and two far away; walls on one line; the same
-    // line and a wall 10^50 m long.
+    // Three scenes with 300 walls of a millimetre: walls around the origin and two far away; walls with centres on one
+    // line; the walls on this line and a wall 2 * 10^50 m long.
     let mut random = Random::new(9);
     let tiny = |random: &mut Random, centre: DVec2| {
         let half = random.direction() * 5e-4;

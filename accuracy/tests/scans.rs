@@ -60,8 +60,8 @@ fn direction(heading: f64, sweep: f64, points: u32, ray: u32) -> DVec2 {
     DVec2::new(math::cos(heading + angle), math::sin(heading + angle))
 }
 
-/// Expected readings of a horizontal scan, by brute force over robots, discs and walls that are slightly extended or
-/// shortened.
+/// Expected readings of a horizontal scan, by brute force over robots, discs and walls, all slightly enlarged or
+/// reduced.
 struct Truth<'a> {
     walls: &'a [Segment],
     robots: Vec<Body>,
@@ -82,7 +82,7 @@ impl Truth<'_> {
         };
         let (min, max) = (nearest(1e-9, 1e-12), nearest(-1e-9, -1e-12));
         match found {
-            // If the ray grazes a disc, shrinking the disc moves the hit by the square root of the change.
+            // On a ray that grazes a disc, a smaller radius moves the hit by about the square root of the change.
             Some(metres) => assert!(
                 min - TOLERANCE <= metres && metres <= max.min(self.range) + 1e-5_f64.min(TOLERANCE + (max - min)),
                 "{context}: {metres} instead of {min} to {max}"
@@ -172,7 +172,7 @@ fn scans_detect_moving_bodies_at_the_time_of_the_call() {
                     discs: (1..=3).map(|n| (world.object_pose(ObjectId(n), at).position, 0.05)).collect(),
                     range: f64::INFINITY,
                 };
-                // The published motion equals the true one except in the first slot and after a placement.
+                // The published motion equals the true motion except in the slots of the commands and of the placement.
                 if slot > 0 && slot != 4 {
                     for body in &truth.robots {
                         let centre = motions[body.robot.index()].pose(at).position;
@@ -194,8 +194,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
     let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
-    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return
-    // within 9 m of the ray.
+    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance, or `None` if there
+    // is no return within 9 m along the ray.
     let check_reading = |height: f64, tilt: f64, expected: Option<f64>| {
         let fan = Fan { sweep: 0.0, points: 1, tilt, height, range: 9.0 };
         let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO)[0];
@@ -211,8 +211,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     check_reading(0.1, 0.0, Some(1.0));
     check_reading(0.2, 0.0, Some(2.0));
     check_reading(0.5, 0.0, Some(4.0));
-    // A rising ray from 5 cm passes over the first wall if it rises by more than 5 cm per metre, over the second above
-    // 12.5 cm per metre.
+    // A ray that rises from a height of 5 cm passes over the first wall above a slope of 5 cm per metre, and over the
+    // second wall above a slope of 12.5 cm per metre.
     let slope = |rise: f64| math::atan(rise);
     check_reading(0.05, slope(0.049), Some(1.0));
     check_reading(0.05, slope(0.051), Some(2.0));
@@ -220,15 +220,15 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     check_reading(0.05, slope(2.0), Some(4.0));
     // A horizontal distance of 4 m is 9 m along a ray at 63.6 degrees.
     check_reading(0.05, slope(2.1), None);
-    // A falling ray from 20 cm hits the first wall, or passes over it and hits the second wall or the floor in front of
-    // it.
+    // A ray that falls from a height of 20 cm passes over the first wall and hits the second, or hits the first wall,
+    // or hits the floor before the first wall.
     check_reading(0.2, -slope(0.09), Some(2.0));
     check_reading(0.2, -slope(0.0999), Some(2.0));
     check_reading(0.2, -slope(0.1001), Some(1.0));
     check_reading(0.2, -slope(0.11), Some(1.0));
     check_reading(0.2, -slope(0.25), Some(0.8));
     check_reading(0.0, -0.1, Some(0.0));
-    // This ray reaches the floor only beyond its range.
+    // This ray passes over the two low walls and hits nothing within its range.
     let fan = Fan { sweep: 0.0, points: 1, tilt: -0.01, height: 0.5, range: 3.0 };
     let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO);
     assert_eq!(found, [None]);

@@ -113,7 +113,7 @@ fn normals_match_the_distance_and_point_against_the_ray() {
             assert_eq!(normal, if hit.distance == 0.0 { -direction } else { DVec3::Z });
             continue;
         }
-        // A displacement along the normal increases the distance from the body by its length.
+        // A displacement along the normal increases the distance from the body by the length of the displacement.
         let outside = origin + direction * hit.distance + 1e-3 * normal;
         assert!((body.distance(outside) - 1e-3).abs() < 1e-9, "{body:?} {hit:?}");
     }
@@ -157,7 +157,7 @@ fn rays_at_the_edge_of_a_thick_wall_do_not_enter_it() {
     let world = two_walls();
     for step in 0..=1000 {
         let step = f64::from(step) * 1e-3;
-        // Rays from above, at many angles, at the upper edges on the near sides.
+        // The rays come from above, at many angles, and aim at the two upper edges on the near sides.
         for edge in [DVec3::new(4.8, -1.0 + 2.0 * step, 0.5), DVec3::new(4.8 + 0.4 * step, -1.0, 0.5)] {
             let origin = DVec3::new(4.0 + 0.5 * step, -1.5, 0.7 + step);
             let direction = (edge - origin).normalize_or_zero();
@@ -186,7 +186,7 @@ fn rays_from_and_along_surfaces_and_into_corners() {
     let corner = corner.map(|[ax, ay, bx, by]| Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by)));
     let world = world(Walls::new(corner.to_vec()), Space { fixed, ..Space::default() });
     let distance = |origin, direction| look(&world, origin, direction).map(|hit| hit.distance);
-    // Rays in any direction from points on faces and from inside.
+    // Rays that begin on a face or inside a body read 0 in any direction.
     for direction in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.3, 0.2, -0.1]] {
         for origin in [[0.5, 0.0, 0.5], [0.0, 0.0, 1.0], [0.1, 0.2, 0.3], [0.0, 5.0, 0.5], [0.0, 5.0, 1.0]] {
             assert_eq!(distance(origin, direction), Some(0.0), "{origin:?} {direction:?}");

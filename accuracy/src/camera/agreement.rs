@@ -11,7 +11,7 @@ use super::{Reference, Sight};
 pub struct Shot {
     /// Red, green and blue, one sample per pixel.
     pub colour: Picture<[u8; 3]>,
-    /// Depth along the line of sight, m.
+    /// Distance along each pixel's line of sight, m.
     pub depth: Picture<f32>,
     /// Label of the surface at each pixel.
     pub labels: Picture<Label>,
@@ -37,8 +37,8 @@ pub struct Agreement {
     /// [`DEPTH`], or a colour error of more than one grey level.
     pub differing: usize,
     /// Differing pixels that the reference cannot explain: their values are outside the range of the reference's values
-    /// at points within [`NEAR`] of the pixel's centre. This range includes surfaces that coincide with the nearest
-    /// one.
+    /// at the pixel's centre and at eight points around it, [`NEAR`] away in each axis. This range includes surfaces
+    /// that coincide with the nearest one.
     pub wrong: Vec<Wrong>,
 }
 
@@ -53,7 +53,7 @@ pub struct Wrong {
     pub truth: Sight,
 }
 
-/// Distance of a silhouette from a pixel's centre, in pixels, up to which either of its sides is accepted.
+/// Distance of a silhouette from a pixel's centre, in pixels, up to which the surface on either side is accepted.
 pub const NEAR: f64 = 0.01;
 /// Relative tolerance of depths.
 pub const DEPTH: f64 = 1e-5;
@@ -95,7 +95,7 @@ impl Agreement {
     /// Asserts that no pixel is wrong.
     ///
     /// # Panics
-    /// If a pixel is wrong; the message contains `what` was compared and the first wrong pixel.
+    /// If a pixel is wrong; the message states `what`, the name of the comparison, and the first wrong pixel.
     pub fn assert_right(&self, what: &str) {
         if let Some(wrong) = self.wrong.first() {
             panic!("{what}: {} of {} pixels are wrong: {wrong:?}", self.wrong.len(), self.pixels);
@@ -116,8 +116,8 @@ impl AddAssign for Agreement {
     }
 }
 
-/// Returns true if the label of a pixel occurs among the sights, and depth and colours are in their range, within the
-/// tolerances.
+/// Returns true if the label of a pixel occurs among the sights, and its depth and its colour channels are, within the
+/// tolerances, in the range of the sights.
 fn is_within((colour, depth, label): ([u8; 3], f32, Label), sights: &[Sight]) -> bool {
     let is_in_range = |value: f64, slack: f64, property: &dyn Fn(&Sight) -> f64| {
         let min = sights.iter().map(property).fold(f64::INFINITY, f64::min);

@@ -1,8 +1,8 @@
-//! Slow reference renderer: it tests one ray per image point against each face in `f64`, with formulas other than the
-//! core's.
+//! Slow reference renderer: it casts one ray per image point in `f64`, with formulas other than the core's. It tests
+//! each face whose bounding sphere the ray hits.
 //!
 //! It implements the documentation of [`sim_core::camera`] on pictures, colours and filters, and shares only the
-//! scenery with the core.
+//! scenery and the views with the core.
 
 mod agreement;
 
@@ -26,18 +26,18 @@ pub struct Sight {
     pub shown: Shown,
     /// Label of that surface.
     pub label: Label,
-    /// Depth along the line of sight, in metres; infinite for the sky.
+    /// Distance along the line of sight through this point, in metres; infinite for the sky.
     pub depth: f64,
     /// Red, green, blue, 0 to 255.
     pub colour: [f64; 3],
-    /// True if the sun reaches this point.
+    /// True if no face hides the sun from this surface, or if shadows are off; false for the sky.
     pub is_sunlit: bool,
 }
 
 /// Surface seen by a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Shown {
-    /// Outside the lens's field of view.
+    /// Outside a fisheye's image, which ends 180 degrees from the optical axis.
     Nothing,
     /// No surface.
     Sky,
@@ -47,7 +47,7 @@ pub enum Shown {
     Face(usize, usize),
 }
 
-/// Reference renderer for one camera, with all surfaces in the world frame.
+/// Reference renderer for the cameras of one robot, or of no robot, with all surfaces in the world frame.
 pub struct Reference<'s> {
     posed: &'s PosedScenery<'s>,
     bodies: Vec<Body<'s>>,
@@ -62,7 +62,7 @@ struct Body<'s> {
     centre: DVec3,
     radius: f64,
     faces: Vec<Face<'s>>,
-    /// True for the body of the robot that carries the camera.
+    /// True if the faces belong to the robot that carries the camera.
     is_own: bool,
 }
 
@@ -84,7 +84,7 @@ struct Image {
 }
 
 impl<'s> Reference<'s> {
-    /// Reference for the camera of robot `by`, which does not see its own body.
+    /// Reference for a camera on robot `by`, which does not show this robot; `None` for a camera on no robot.
     pub fn new(posed: &'s PosedScenery<'s>, by: Option<RobotId>) -> Self {
         let scenery = posed.scenery();
         let bodies = posed.parts().flat_map(|(number, part, pose)| {
@@ -118,7 +118,7 @@ impl<'s> Reference<'s> {
         Self { posed, bodies, images }.by(by)
     }
 
-    /// Changes the camera to that of another robot, or of no robot.
+    /// Changes the reference to a camera on another robot, or on no robot.
     pub fn by(mut self, by: Option<RobotId>) -> Self {
         for body in &mut self.bodies {
             body.is_own = by.is_some_and(|by| body.label == Label::Robot(by));
@@ -252,7 +252,8 @@ impl<'s> Reference<'s> {
         colour.map(|channel| (channel * brightness).min(255.0))
     }
 
-    /// Returns true if no face other than `surface`, on which the point is, lies between the point and the sun.
+    /// Returns true if shadows are off, or if no face lies between the point and the sun. Ignores `surface`, the face
+    /// on which the point is, and faces nearer than `MIN_SHADOW_DISTANCE`.
     fn is_sunlit(&self, point: DVec3, surface: Option<(usize, usize)>) -> bool {
         let light = self.posed.scenery().light();
         let is_hit = |body: &Body, face: &Face| {
@@ -310,8 +311,8 @@ const FACE_MARGIN: f64 = 1e-9;
 const EDGE_ON: f64 = 1e-9;
 /// Number of consecutive faces of a mesh that share a bounding sphere.
 const FACES_PER_SPHERE: usize = 12;
-/// Distance from a surface, m, up to which faces cast no shadow on it, so that faces that share an edge with the
-/// surface cast none.
+/// Distance from a point towards the sun, m, up to which a face casts no shadow on the point, so that a face casts no
+/// shadow on points of an edge that it shares.
 const MIN_SHADOW_DISTANCE: f64 = 1e-6;
 /// Maximum number of probes along a footprint.
 const MAX_PROBES: f64 = 2.0;
@@ -325,8 +326,8 @@ fn sight((shown, label, depth): (Shown, Label, f64), colour: [f64; 3], is_sunlit
     Sight { shown, label, depth, colour, is_sunlit }
 }
 
-/// Unit vector of the ray through a point of the image, in the world frame; `None` outside the field of view of a lens
-/// if `has_edge`.
+/// Unit vector of the ray through a point of the image, in the world frame. `None` outside a fisheye's image, more than
+/// 180 degrees from the optical axis, if `has_edge`.
 fn ray(view: &View, image_point: DVec2, has_edge: bool) -> Option<DVec3> {
     let [width, height] = view.size().map(f64::from);
     // Offset to the left and up, in half widths of the image.

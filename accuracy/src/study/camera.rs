@@ -54,8 +54,8 @@ fn views(size: [u32; 2]) -> Vec<View> {
 }
 
 /// Columns and rows of the compared pixels, spread over the image. The rows are at equal intervals. From one row to the
-/// next, the column changes by a step that is coprime to the width and near its golden section, so that no column is
-/// compared twice.
+/// next, the column changes by a step of about 0.618 of the width. Step and width are coprime, so that no column occurs
+/// twice.
 fn compared_pixels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     let coprime = |step: &u32| {
         let (mut a, mut b) = (width, *step);
@@ -70,7 +70,7 @@ fn compared_pixels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> 
     (0..count).map(move |k| [(step / 2 + k * step) % width, (2 * k + 1) * height / (2 * count)])
 }
 
-/// Mean difference of colours from the reference over the compared pixels, in grey levels.
+/// Mean magnitude of the differences from the reference, over all channels of the compared pixels, in grey levels.
 fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u32; 2]) -> [f64; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for view in views {
@@ -110,7 +110,7 @@ fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), ef
     }
 }
 
-/// Mean of `count` pictures with shadows and noise.
+/// Row for the mean of `count` pictures with shadows and noise.
 fn noisy(posed: &PosedScenery, count: u64, samples: u32) -> Row {
     let size @ [width, height] = [160, 120];
     let views = views(size);
@@ -149,7 +149,8 @@ fn noisy(posed: &PosedScenery, count: u64, samples: u32) -> Row {
     }
 }
 
-/// Brute force: one ray per pixel and another for shadows, each tested against all faces.
+/// Row for brute force: one ray per pixel and another for shadows. Each is tested against all bounding spheres, and
+/// against all faces in the spheres that it hits.
 fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
     let (views, reference) = (views(size), Reference::new(posed, None));

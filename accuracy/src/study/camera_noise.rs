@@ -1,11 +1,11 @@
-//! `camera-noise`: mean and standard deviation of each pixel over many pictures with noise, compared with the closed
-//! forms of the noise model.
+//! `camera-noise`: mean of each colour channel and pooled standard deviation of all channels over many pictures with
+//! noise, compared with the closed forms of the noise model.
 //!
 //! The picture without noise shows the room with its shadows. The closed form blurs it with a separately computed
 //! kernel (power series of the Bessel functions). It then computes mean and standard deviation of each channel as sums
 //! over the 256 levels, weighted with their probabilities. The distribution of the levels is the normal distribution,
 //! rounded and clamped, mixed with salt and pepper and with random colours. If the simulator's noise has this
-//! distribution, the errors fall with the square root of the number of pictures; otherwise they stop falling.
+//! distribution, the errors fall as 1 / sqrt(n) with the number n of pictures; otherwise they stop falling.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -33,7 +33,7 @@ pub const MODELS: [(&str, ImageNoise); 2] = [
     ("real", ImageNoise { blur: 0.6, sigma: 4.0, salt_and_pepper: 0.000_5, salt: 0.5, hundreds_and_thousands: 0.0 }),
     ("harsh", ImageNoise { blur: 1.5, sigma: 12.0, salt_and_pepper: 0.01, salt: 0.5, hundreds_and_thousands: 0.005 }),
 ];
-/// Numbers of pictures; each series of pictures begins with those of the previous one.
+/// Numbers of pictures; each series begins with all pictures of the previous series.
 const COUNTS: [u64; 4] = [1, 10, 100, 1_000];
 const SIZE: [u32; 2] = [80, 60];
 const SEED: u64 = 264_001;
@@ -97,7 +97,7 @@ fn exact_picture() -> Picture<[u8; 3]> {
     Camera::default().colour(&posed, &view, None, 2)
 }
 
-/// Errors of the measured moments after a number of pictures, relative to the closed form, in grey levels.
+/// Differences of the measured moments after a number of pictures from the closed form, in grey levels.
 #[derive(Clone, Copy, Debug, Default)]
 struct MomentErrors {
     /// Root mean square error of the channels' means.
@@ -204,7 +204,7 @@ impl Moments {
 /// Levels of all channels after the blur, computed in double precision from the documented formula.
 ///
 /// The weights are exp(-t) I_n(t) with t = `sigma`^2, up to a distance n of four standard deviations (rounded up) plus
-/// one pixel. Borders are mirrored.
+/// one pixel, scaled to the sum 1. Borders are mirrored.
 fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     let radius = (4.0 * sigma).ceil() as i64 + 1;
     let half = 0.5 * sigma * sigma;

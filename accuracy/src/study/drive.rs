@@ -1,4 +1,6 @@
-//! `drive` and `odometry`: ten minutes of driving, by the closed form and by the integrators of other simulators.
+//! `drive`: ten minutes of driving, by the closed form and by the integrators of other simulators.
+//!
+//! `odometry`: position from the encoders after these ten minutes, for several reading periods and resolutions.
 
 use sim_core::pose::Pose;
 use sim_core::time::Time;
@@ -19,8 +21,8 @@ pub const ODOMETRY: Study = Study {
     run: odometry,
 };
 
-/// Lengths of slots and steps, us; each divides a second. Runge-Kutta is not run with the first one, at which it takes
-/// longest and rounding dominates its error.
+/// Lengths of slots and steps, us; each divides a second. Runge-Kutta is not run with steps of 1 us, at which it is
+/// slowest and its error is mainly rounding.
 const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
 fn drive(effort: Effort) -> Outcome {
@@ -33,7 +35,7 @@ fn drive(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![against_length("drive-slot", DRIVE.title, "slot or step, s", series)] }
 }
 
-/// Rows of each method on the course, at each slot length.
+/// Rows of each method on the course, for each length of slot or step.
 fn drives(course: &Course, effort: Effort) -> Vec<Row> {
     let end = course.end();
     let methods: [(&str, &[i64], Method); 3] = [
@@ -127,7 +129,7 @@ mod tests {
 
     #[test]
     fn error_of_the_closed_form_is_constant_and_that_of_euler_grows() {
-        // The second drive is a curve.
+        // The first two seconds from the second drive on, which is a curve.
         let course = Course(Course::ten_minutes().0[1..].to_vec()).first(2);
         let rows = drives(&course, Effort::Quick);
         let errors = |method: &str| -> Vec<f64> {

@@ -48,9 +48,9 @@ const STEP_HEIGHT: f64 = 0.25;
 
 /// Samples of the walk, `period` seconds apart.
 ///
-/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensors are 0.15 m below the knee and
-/// point ahead. The swing gives incidence angles on the floor from 33 to 78 degrees, as in the paper, while the robot
-/// approaches a step. The readings have no noise.
+/// The shin hangs from the knee, which is 0.45 m above the floor, and swings about the knee. The sensors are on the
+/// shin, 0.15 m from the knee, and point ahead and down by 12 to 57 degrees. This gives incidence angles on the floor
+/// from 33 to 78 degrees, as in the paper. The readings have no noise.
 ///
 /// Source: France et al. 1999, section 6.3 (the sensors and the range of incidence angles). The dimensions of robot,
 /// gait and step are our choice.

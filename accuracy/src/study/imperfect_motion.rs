@@ -1,8 +1,8 @@
-//! `imperfect-motion`: compares a minute of driving with wheel lag, unequal wheels, slip and noise with a reference in
+//! `imperfect-motion`: a minute of driving with wheel lag, unequal wheels, slip and noise, compared with a reference in
 //! double-double arithmetic.
 //!
-//! The reference draws the same random numbers for each tick of 10 ms and computes lag, wheel speeds and arcs with its
-//! own formulas. It shares only the random streams with the simulator.
+//! The reference draws the same random numbers as the simulator for each tick of 10 ms, and computes lag, wheel speeds
+//! and arcs with its own formulas. It shares only the random streams and `math::hypot` with the simulator.
 
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// A time interval with constant speed and turning speed of the robot, and of its odometry.
+/// A time interval with a constant speed (m/s) and turning speed (rad/s), true and by odometry.
 struct Interval {
     seconds: f64,
     truth: [Wide; 2],

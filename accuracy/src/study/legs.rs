@@ -59,7 +59,7 @@ const COURSES: [(&str, Course); 6] = [
 /// Maximum errors of a walk, m.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
-    /// Distance of a standing foot's contact point, computed from the joint angles, from its foothold.
+    /// Distance between a standing foot's foothold and its contact point as computed from the joint angles.
     closure: f64,
     /// Distance of a standing foot from its position at touch-down.
     slip: f64,
@@ -109,7 +109,7 @@ fn row(method: String, setting: String, error: f64, time_ns: f64) -> Row {
     Row { study: STUDY.name, method, setting, error, unit: "m", time_ns, per: "posture" }
 }
 
-/// Gives the command that is due after the previous posture and not after `at`, if there is one.
+/// Gives the command, if any, that fell due after the previous posture and no later than `at`.
 fn give_due_command(course: Course, motion: &mut Motion, at: Time) {
     let (index, count) = (at.0.div_euclid(COMMAND_INTERVAL.0), course.len() as i64);
     let is_due = at.0 - index * COMMAND_INTERVAL.0 < POSTURE_INTERVAL.0 && (index == 0 || count > 1);
@@ -141,7 +141,7 @@ impl Walker {
         let mut motion = self.motion();
         let mut postures = Postures::new(sample_interval);
         let mut errors = Errors::default();
-        // World position, at touch-down, of each standing foot's point of the sole under the ankle.
+        // For each standing foot: world position at touch-down of the point of the sole under the ankle.
         let mut touch_downs: Vec<Option<DVec3>> = vec![None; self.legs.legs.len()];
         for index in 0..(SECONDS / POSTURE_INTERVAL.seconds()) as i64 {
             let at = Time(index * POSTURE_INTERVAL.0);
@@ -246,7 +246,7 @@ fn in_world(pose: &Pose, lift: f64, point: DVec3) -> DVec3 {
     pose.transform_point(point.truncate()).extend(point.z + lift)
 }
 
-/// Chart of the heights of the feet's contact points, from the joint angles, over two periods of a steady walk.
+/// Plot of the heights of the feet's contact points, from the joint angles, over two periods of a steady walk.
 fn height_figure(walker: &Walker) -> Figure {
     let mut motion = walker.motion();
     give_due_command(AHEAD, &mut motion, Time::ZERO);
@@ -341,7 +341,7 @@ mod tests {
                     let found = value(&errors);
                     assert!(found < 1e-13, "{} {name}: {measure}: {found}", walker.name);
                 }
-                // A swinging foot may lag behind the gait's path by about the length of a foot.
+                // A swinging foot may lag behind the gait's path, by less than 0.2 m.
                 assert!(errors.swing < 0.2, "{} {name}: {}", walker.name, errors.swing);
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! A robot with a ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with
 //! boxes and makes two scans at each stop, half a sector apart. All methods of `mapping` build their maps from the same
-//! readings at exact poses. The error is the fraction of free cells and surfaces that are wrong or unknown in the map,
+//! readings at exact poses. The error is the fraction of free and surface cells that are wrong or unknown in the map,
 //! as a mean over the rooms.
 
 use std::f64::consts::{FRAC_PI_6, TAU};
@@ -36,14 +36,14 @@ pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: wrong o
 const STOPS: [usize; 5] = [1, 3, 10, 30, 100];
 /// Side of a cell, m.
 const CELL: f64 = 0.05;
-/// Sides of cells, m, that are compared.
+/// Compared sides of cells, m.
 const CELLS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
 /// Number of stops in the comparison of cell sizes.
 const CELL_SIZE_STOPS: usize = 30;
 /// Readings at a stop: two scans of [`SONARS`].
 const READINGS: usize = 2 * SONARS;
 const SONARS: usize = 12;
-/// The sonars of `robis/sectors.toml`, on the whole rim.
+/// Sonars like those of `robis/sectors.toml`, but on the whole rim.
 const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
 const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, farthest: FAN.farthest };
 /// Noise of the sonars in the preset `real`; a test compares it with the preset.
@@ -87,7 +87,8 @@ const METHODS: [Method; 5] = [
         map.probabilities().clone()
     }),
     ("Wu et al., log-odds for Eq. 4", |frame, stops| {
-        // Limits probabilities to that of the most certain echo, since the probability of the robot's own cells is 0.
+        // Limit of probabilities, since those of the robot's own cells (0) and of the nearest echoes (1) have infinite
+        // log-odds.
         const MAX_PROBABILITY: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in stops {
@@ -164,7 +165,7 @@ fn row(
     Row { study: STUDY.name, method: method.to_owned(), setting, error, unit: "of the cells", time_ns, per: "map" }
 }
 
-/// Fraction of the free cells and surfaces that are unknown or wrong in a map.
+/// Fraction of the free and surface cells that are wrong or unknown in a map.
 fn wrong_fraction(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
     let (mut count, mut right) = (0, 0);
     for (probability, truth) in map.values().iter().zip(truth.values()) {
@@ -179,7 +180,7 @@ fn wrong_fraction(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
     1.0 - f64::from(right as u32) / f64::from(count as u32)
 }
 
-/// Geometry of the grid of a room with a margin of 20 cm. The outer walls go through the middles of cells of 5 cm.
+/// Geometry of the grid of a room, with a margin of 22.5 cm: the outer walls go through the middles of cells of 5 cm.
 fn frame(cell: f64) -> GridGeometry {
     let margin = 0.2 + 0.5 * CELL;
     GridGeometry::covering(Point::new(-margin, -margin), Point::new(SIDE + margin, SIDE + margin), cell)

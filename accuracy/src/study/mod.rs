@@ -1,7 +1,7 @@
 //! Studies: each measures error and time of several methods for one task at several settings.
 //!
-//! Errors depend only on the code and are the same in every run; times depend on the machine. The caller makes tables,
-//! files and pictures from the [`Outcome`]s.
+//! Errors depend only on the code and the [`Effort`], and are the same in every run; times depend on the machine. The
+//! caller makes tables, files and plots from the [`Outcome`]s.
 
 mod camera;
 mod camera_noise;
@@ -73,7 +73,7 @@ pub struct Row {
 pub struct Outcome {
     /// Rows in the order of a table: method by method.
     pub rows: Vec<Row>,
-    /// Pictures in addition to the plot of error against time, which is made from the rows.
+    /// Plots in addition to the plot of error against time, which is made from the rows.
     pub figures: Vec<Figure>,
 }
 
@@ -86,7 +86,7 @@ impl From<Vec<Row>> for Outcome {
 /// A study and the function that runs it.
 #[derive(Clone, Copy)]
 pub struct Study {
-    /// Name of the study, in its rows and in its picture's file name.
+    /// Name of the study, in its rows and in the file name of its plot.
     pub name: &'static str,
     /// Subject of the measurement, in one line.
     pub title: &'static str,

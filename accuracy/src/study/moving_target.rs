@@ -27,7 +27,7 @@ pub const STUDY: Study = Study {
 
 /// Slot lengths, ms.
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
-/// Interval between commands of the target. It is not a multiple of a slot, so commands are at any time within a slot.
+/// Interval between commands of the target; not a multiple of a slot, so that the time of commands in a slot varies.
 const COMMAND_INTERVAL: Time = Time(137_731);
 /// Interval between readings.
 const READING_INTERVAL: Time = Time(1_003);
@@ -91,7 +91,7 @@ impl Errors {
     }
 }
 
-/// Errors of the readings: differences from the true distances at their instants.
+/// Errors of the readings: each minus the true distance at the instant of the reading.
 fn errors(slot: Time, duration: Time, state: TargetState) -> Errors {
     let (model, walls) = (Arc::new(model()), Arc::new(Walls::new(Vec::new())));
     let robot = |id, pose| Motion::new(RobotId(id), Arc::clone(&model), Arc::clone(&walls), pose);

@@ -26,7 +26,7 @@ const SEED: u64 = 42;
 /// Names of the settings in the rows.
 const SETTINGS: [&str; COUNTS.len()] = ["1e2 numbers", "1e3 numbers", "1e4 numbers", "1e5 numbers", "1e6 numbers"];
 
-/// Method of drawing numbers: name, distribution, and a function that draws a number of numbers.
+/// Method of drawing numbers: name, distribution, and a function that draws as many numbers as its argument states.
 struct Method {
     name: &'static str,
     cdf: fn(f64) -> f64,

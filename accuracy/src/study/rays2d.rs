@@ -84,8 +84,8 @@ fn cast_f32(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Skips walls that the ray misses by more
-/// than a micrometre in double precision.
+/// Distance along the ray to a wall, in double-double arithmetic (32 digits). A first test in double precision skips
+/// walls that the ray misses by more than a micrometre.
 fn exact(wall: &Segment, origin: DVec2, direction: DVec2) -> Option<f64> {
     oracle::nearest_wall(std::slice::from_ref(wall), origin, direction, RANGE, 1e-6)?;
     let to_wide = |point: DVec2| [point.x, point.y].map(Wide::from);

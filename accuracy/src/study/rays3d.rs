@@ -1,5 +1,5 @@
-//! `rays-3d`: distances along rays to triangles, by the index and by brute force, and to the same walls in two and in
-//! three dimensions.
+//! `rays-3d`: distances along rays to triangles, by the index and by brute force, and to walls, which are segments in
+//! the plane or triangles.
 
 use glam::{DVec2, DVec3};
 use sim_core::scene::{Bounds, MeshIndex, Segment, Walls};
@@ -61,7 +61,7 @@ fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
     [by_index, by_brute_force]
 }
 
-/// Transforms a point from the room's frame to the world frame by a rotation whose only rounding is a division by 3.
+/// Transforms a point from the room's frame to the world frame by a rotation whose matrix is integers divided by 3.
 fn world_from_room(local: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = local;
     DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
@@ -72,7 +72,7 @@ fn room_cases(count: usize) -> Vec<Case> {
     let mut case = || {
         let fractions = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
         let direction = random.direction_in_space().normalize_or(DVec3::X);
-        // The ray hits the nearest of the three faces in its direction.
+        // The ray hits the nearest along the ray of the three faces that it approaches.
         let origin = 0.99 * fractions * HALF;
         let wall_distances = (HALF.copysign(direction) - origin) / direction;
         Case {

@@ -17,7 +17,7 @@ pub const STUDY: Study = Study {
 
 /// Maximum distance of the paper's sensor, m.
 const MAX: f64 = 1.0;
-/// Signals as exponents of ten, 1/m.
+/// Exponents of ten of the signals in 1/m; each gives one setting.
 const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
 /// Number of signals at each setting, from the setting's signal to ten times that signal.
 const SIGNALS: usize = 1_000;

@@ -1,4 +1,4 @@
-//! `shadow`: edges of shadows in pictures, with and without noise, compared with their projection.
+//! `shadow`: edges of shadows in pictures, with and without noise, compared with the projections of the true edges.
 //!
 //! A screen stands on grey ground, and cameras above the ground look down at the edge of its shadow. The truth is
 //! geometry: the top edge of the screen, projected along the sun's rays onto the ground and then into the picture. In a
@@ -68,7 +68,7 @@ fn scenery() -> Scenery {
     Scenery::new(vec![part], Some(ground), LIGHT, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })
 }
 
-/// Point of the shadow's edge that the top of the screen at `x` m casts.
+/// Point of the shadow's edge that belongs to the point of the screen's top at `x` m.
 fn edge(x: f64) -> DVec3 {
     let top = DVec3::new(x, 0.0, HEIGHT);
     top - LIGHT.sun_direction * (HEIGHT / LIGHT.sun_direction.z)
@@ -109,7 +109,7 @@ impl Line {
             let local = rotation.transpose() * (point - position);
             DVec2::new(0.5 * width - focal * local.y / local.x, 0.5 * height - focal * local.z / local.x)
         };
-        // Two points of the edge on both sides of the camera, and a point of the shadow between them.
+        // Two points of the edge, on both sides of the camera, and a point of the shadow 1 cm from the edge.
         let x = position.x - edge(0.0).x;
         let [a, b] = [x - 0.1, x + 0.1].map(|x| project(edge(x)));
         let dark = project(edge(x) + DVec3::new(0.0, 0.01, 0.0));

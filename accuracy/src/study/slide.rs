@@ -113,7 +113,7 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![path_figure(&cases)] }
 }
 
-/// Chart of the walls of a corner and of the paths of discs in it.
+/// Plot of the walls of a corner and of the paths of discs in it.
 fn path_figure(cases: &[NamedCase]) -> Figure {
     let corner = &cases[3].case;
     let line = |name: &str, points| Series { name: name.to_owned(), mark: Mark::Line, points };

@@ -1,10 +1,10 @@
 //! `sonar`: error of a sonar's readings as a function of its number of rays.
 //!
 //! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one
-//! equation in one unknown, solved by bisection; for low walls, the same at 41 heights. In rooms of rough and smooth
-//! walls it is brute force: tens of thousands of rays, and the nearest point of each wall, by formulas other than the
-//! core's. The study also measures a sensor with the same beam that only samples rays and ignores the nearest points of
-//! the walls.
+//! equation in one unknown, solved by bisection. For low walls, the reference solves this equation at 41 heights. In
+//! rooms of rough and smooth walls the reference is brute force: 30,000 rays, and the nearest point of each wall, by
+//! formulas other than the core's. The study also measures a sensor with the same beam that only samples rays and
+//! ignores the nearest points of the walls.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ const REFERENCE_RAYS: u32 = 30_000;
 /// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the
 /// threshold.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
-/// Height of the sensor above the floor in front of walls of unlimited height, m.
+/// Height of the sensor in front of walls of unlimited height, m; there is no floor.
 const HEIGHT: f64 = 40.0;
 /// Height of the sensor in front of low walls, m.
 const LOW_HEIGHT: f64 = 0.1;
@@ -160,8 +160,8 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Cases of a sensor pitched by up to `pitch` rad, a ball behind it, and a low, rough wall 0.3 to 4 m ahead that is
-/// turned by up to 80 degrees.
+/// Cases of a sensor pitched by up to `pitch` rad, a ball behind the sensor, and a low, rough wall 0.3 to 4 m ahead
+/// that is turned by up to 80 degrees.
 fn low_walls(count: usize, pitch: f64) -> Vec<Case> {
     let mut random = Random::new(10);
     let draw = || {
@@ -192,8 +192,8 @@ fn low_walls(count: usize, pitch: f64) -> Vec<Case> {
 /// Distance of the nearest detectable echo from a low, rough wall that cuts the horizontal line of sight `ahead` m from
 /// the sensor.
 ///
-/// The reference tests 41 heights, and at each the points of the wall from the nearest one on, 2000 in the quarter
-/// turn, in the direction in which they approach the line of sight. The first detectable point is refined by bisection.
+/// The reference tests 41 heights. At each height it tests points of the wall at 2000 azimuths over a quarter turn,
+/// from the nearest point towards the line of sight and beyond, and refines the first detectable point by bisection.
 fn nearest_echo_of_low_wall(ahead: f64, turn: f64, pitch: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let forward = DVec3::new(math::cos(pitch), 0.0, -math::sin(pitch));
@@ -201,7 +201,7 @@ fn nearest_echo_of_low_wall(ahead: f64, turn: f64, pitch: f64) -> Option<f64> {
     let nearest = normal * (ahead * normal.x);
     let at_height = |step: u32| {
         let z = LOW_WALL * f64::from(step) / 40.0 - LOW_HEIGHT;
-        // Offset from the sensor of the point `azimuth` rad from the nearest one.
+        // Offset from the sensor to the point of the wall that is `azimuth` rad from the nearest point.
         let point = |azimuth: f64| {
             let metres = nearest.length() * math::tan(azimuth);
             (nearest - normal.perp() * metres.copysign(turn)).extend(z)
@@ -279,8 +279,8 @@ fn rooms(count: usize) -> Vec<Case> {
             let yaw = math::atan2(forward.y, forward.x);
             let truths = [true, false]
                 .map(|include_hidden| nearest_echo_in_room(&segments, &surfaces, origin, forward, include_hidden));
-            // Whether the hidden wall of a corner returns an echo is a matter of definition, so cases in which it
-            // changes the reading are skipped.
+            // Whether the hidden wall of a corner returns an echo is a matter of definition, so cases in which this
+            // echo changes the reading are skipped.
             if truths[0] != truths[1] {
                 continue;
             }
@@ -294,7 +294,7 @@ fn rooms(count: usize) -> Vec<Case> {
     cases
 }
 
-/// Nearest echo in a room of upright walls, by brute force.
+/// Nearest echo in a room with walls of unlimited height, by brute force.
 ///
 /// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall also returns an
 /// echo.
@@ -329,8 +329,8 @@ fn nearest_echo_in_room(
         let fraction = (origin - segment.a).dot(along) / along.length_squared();
         let point = segment.a + fraction.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
-        // Tolerance of a nanometre for walls that share the point. A second ray aims 0.1 um from the point along the
-        // wall: if it hits another wall, this one is hidden.
+        // The tolerance of a nanometre allows for walls that share the point. A second ray aims at a point of this wall
+        // 0.1 um further inwards: if the ray hits another wall, this wall is hidden.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
         let is_unobstructed = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn error_converges_with_the_number_of_rays() {
-        // In the plane the error falls with 1/rays, in space with 1/sqrt(rays).
+        // In the plane the error falls as 1/rays, in space as 1/sqrt(rays).
         for (pitch, limits) in [(0.0, [(64, 0.1), (4_096, 2e-3)]), (0.5, [(64, 0.3), (4_096, 0.03)])] {
             let cases = slanting_walls(60, pitch);
             for (rays, limit) in limits {

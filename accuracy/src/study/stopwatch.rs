@@ -1,8 +1,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Wall-clock time in nanoseconds per item, of the fastest of `repeats` calls of `work`, since other load of the
-/// machine only adds time. One call processes `count` items.
+/// Wall-clock time per item, in nanoseconds, in the fastest of `repeats` calls of `work`: other load on the machine
+/// only adds time. One call processes `count` items.
 pub fn nanoseconds<R>(repeats: usize, count: usize, mut work: impl FnMut() -> R) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..repeats.max(1) {
