@@ -106,7 +106,8 @@ fn states_have_equal_bits_for_any_slot_length() {
     }
 }
 
-/// Criterion: a drive ends within 1e-12 m of the end of its arc, at 1e-300 to 1e4 rad/s in both directions.
+/// Criterion: a drive ends at its angle and within 1e-12 m of the end of its arc, at 1e-300 to 1e4 rad/s in both
+/// directions.
 #[test]
 fn drives_end_exactly_at_any_turning_speed() {
     let fast_model = Model { max_wheel_rate: 1e9, ..model() };

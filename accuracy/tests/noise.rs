@@ -19,7 +19,8 @@ use sim_core::spec::Preset;
 use sim_core::time::{TICK, Time};
 use sim_format::{LEVELS, preset};
 
-/// Significance level. For one seed in a hundred, the smallest of about a hundred p-values is below it by chance.
+/// Significance level. For one seed in a hundred, the smallest of about a hundred p-values is below this level by
+/// chance.
 const SIGNIFICANCE: f64 = 1e-4;
 const MILLION: u64 = 1_000_000;
 const SEED: u64 = 2026;

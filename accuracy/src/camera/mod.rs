@@ -30,7 +30,7 @@ pub struct Sight {
     pub depth: f64,
     /// Red, green, blue, 0 to 255.
     pub colour: [f64; 3],
-    /// True if no face hides the sun from this surface, or if shadows are off; false for the sky.
+    /// True if no face hides the sun from this surface, or if shadows are off; false without a surface.
     pub is_sunlit: bool,
 }
 
@@ -84,7 +84,7 @@ struct Image {
 }
 
 impl<'s> Reference<'s> {
-    /// Reference for a camera on robot `by`, which does not show this robot; `None` for a camera on no robot.
+    /// Reference for a camera on robot `by`, or on no robot. The robot is invisible to its own camera.
     pub fn new(posed: &'s PosedScenery<'s>, by: Option<RobotId>) -> Self {
         let scenery = posed.scenery();
         let bodies = posed.parts().flat_map(|(number, part, pose)| {

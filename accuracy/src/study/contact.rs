@@ -10,7 +10,7 @@ pub const STUDY: Study =
 
 /// Step lengths of the simulator that tests for overlap after each step, s.
 const STEPS: [f64; 6] = [0.2, 0.05, 0.01, 1e-3, 1e-4, 1e-5];
-/// Time after the exact instant up to which a contact is searched, s; it is the error of a contact that is not found.
+/// Time after the exact instant up to which the steps continue, s; also the error of a contact that no step finds.
 const HORIZON: f64 = 1.0;
 
 fn run(effort: Effort) -> Outcome {

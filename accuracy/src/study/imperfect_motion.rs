@@ -199,7 +199,7 @@ impl Case {
     }
 }
 
-/// End poses of the robot and of its odometry, computed from the arcs of all intervals with 30 digits.
+/// End poses of the robot and of its odometry, computed with 30 digits from the arcs of all intervals.
 fn ends(intervals: &[Interval]) -> [EndPose; 2] {
     let mut ends = [EndPose::default(); 2];
     for interval in intervals {

@@ -1,7 +1,7 @@
 //! `maps`: fraction of wrong or unknown cells in maps from sonars, against the computing time of the map.
 //!
 //! A robot with a ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with
-//! boxes and makes two scans at each stop, half a sector apart. All methods of `mapping` build their maps from the same
+//! boxes and makes two scans at each stop, half a sector apart. Five methods of `mapping` build maps from the same
 //! readings at exact poses. The error is the fraction of free and surface cells that are wrong or unknown in the map,
 //! as a mean over the rooms.
 

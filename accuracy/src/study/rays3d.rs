@@ -72,7 +72,7 @@ fn room_cases(count: usize) -> Vec<Case> {
     let mut case = || {
         let fractions = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
         let direction = random.direction_in_space().normalize_or(DVec3::X);
-        // The ray hits the nearest along the ray of the three faces that it approaches.
+        // Of the three faces that the ray approaches, it hits the nearest along its direction.
         let origin = 0.99 * fractions * HALF;
         let wall_distances = (HALF.copysign(direction) - origin) / direction;
         Case {

@@ -68,7 +68,7 @@ fn scenery() -> Scenery {
     Scenery::new(vec![part], Some(ground), LIGHT, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })
 }
 
-/// Point of the shadow's edge that belongs to the point of the screen's top at `x` m.
+/// Point of the shadow's edge: the shadow of the point at `x` m on the screen's top.
 fn edge(x: f64) -> DVec3 {
     let top = DVec3::new(x, 0.0, HEIGHT);
     top - LIGHT.sun_direction * (HEIGHT / LIGHT.sun_direction.z)

@@ -31,8 +31,8 @@ pub const STUDY: Study =
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
 /// Number of rays of the reference for rooms; they are about 1e-4 rad apart.
 const REFERENCE_RAYS: u32 = 30_000;
-/// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the
-/// threshold.
+/// Maximum angle from the line of sight of the rays of the reference and of the sensor that only samples rays, rad;
+/// echoes from larger angles are below the threshold.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
 /// Height of the sensor in front of walls of unlimited height, m; there is no floor.
 const HEIGHT: f64 = 40.0;
