@@ -1,5 +1,5 @@
-//! Noise, compared with its specification: mean, variance and distribution of every model and preset, bits of the
-//! generator, independence of streams; and the power of the tests to detect violations.
+//! Noise, compared with its specification: mean, variance and distribution of every model and of the presets in
+//! [`LEVELS`], bits of the generator, independence of streams; and the power of the tests to detect violations.
 //!
 //! Seeds are fixed, so each test passes always or never. A test fails if a p-value is below [`SIGNIFICANCE`].
 
@@ -53,7 +53,7 @@ fn normality(sample: &mut [f64], mean: f64, sigma: f64) -> f64 {
     mean_p.min(variance_p).min(distribution_p)
 }
 
-/// The presets, from the smallest errors to the largest.
+/// The presets of [`LEVELS`], from the smallest errors to the largest.
 fn presets() -> impl Iterator<Item = Preset> {
     LEVELS.into_iter().filter_map(preset)
 }
