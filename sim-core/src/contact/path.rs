@@ -58,8 +58,8 @@ pub enum LengthLaw {
         /// Rate of beta, rad/s.
         rate: f64,
     },
-    /// A body slides around a point, such as a wall's end, at the speed `speed` sin(beta); beta changes at the rate
-    /// `rate` - (`speed` / `radius`) sin(beta).
+    /// A body slides around a point, such as a wall's end, at the speed `sense` `speed` sin(beta) along the track; beta
+    /// changes at the rate `rate` - (`speed` / `radius`) sin(beta).
     Round {
         /// Distance of the track from the point, m.
         radius: f64,
@@ -110,7 +110,7 @@ impl LengthLaw {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return 0.0 };
         let sliding_rate = speed / radius;
         let (sin, cos) = math::sin_cos(phase);
-        // z = tan(beta / 2) obeys a Riccati equation. It is a quotient of two solutions of a linear equation. `atan2`
+        // z = tan(beta / 2) obeys a Riccati equation, so z is a quotient of two solutions of a linear equation. `atan2`
         // takes numerator and denominator separately, so a pole of z needs no special case.
         let (even, odd) = linear_solutions(sliding_rate, rate, seconds);
         2.0 * math::atan2(0.5 * odd * (rate - sliding_rate * sin), even + 0.5 * odd * sliding_rate * cos)
@@ -159,9 +159,9 @@ fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Maximum angle, rad, of an arc that is enclosed in a disc whose centre is on the tangent at its start; the disc of a
-/// longer arc has its centre on the arc. The disc is enlarged by the maximum distance between arc and tangent: half of
-/// the acceleration times the squared time. This needs no trigonometric function. Our choice.
+/// Angle in rad by which a path may have turned for a surrounding disc with its centre on the tangent at the start of
+/// the path; later the centre is on the arc. A disc on the tangent is enlarged by the maximum distance between arc and
+/// tangent: half of the acceleration times the squared time. It needs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {

@@ -95,7 +95,7 @@ impl Push {
             let point = segment.nearest_point(centre);
             let offset = centre - point;
             let distance = math::hypot(offset.x, offset.y);
-            // The disc can leave a wall through its centre to either side, so such a wall is not a contact.
+            // If the centre is on a wall, the disc can leave the wall to either side, so the wall is not a contact.
             if (distance - self.radius <= TOUCH || met == Some(wall)) && distance > 0.0 {
                 let normal = offset / distance;
                 let alpha = wrapped(push_angle - math::atan2(normal.y, normal.x));

@@ -12,7 +12,7 @@ use glam::DVec2;
 use super::{Path, SKIN, TOUCH};
 use crate::{math, scene::Segment};
 
-/// The contact that ends a path.
+/// First contact of a path with a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallContact {
     /// Seconds since the start of the path.
@@ -77,8 +77,8 @@ fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     let (mut low, mut low_value) = from;
     let (mut high, mut high_value) = to;
     let sign = low_value.signum();
-    // The Illinois method: regula falsi that halves the function value at the end that is kept. Every third step is a
-    // bisection, so that the bracket shrinks to neighbouring doubles for every function `f`.
+    // A variant of the Illinois method: regula falsi that halves the function value at the end that is kept. Every
+    // third step is a bisection, so that the bracket shrinks to neighbouring doubles for every function `f`.
     for step in 0..200 {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high || high_value == 0.0 {
@@ -99,7 +99,7 @@ fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
 }
 
 /// Ends of the intervals in which the distance to a wall is monotone, in ascending order; the last one is the end of
-/// the path.
+/// the path, if it is finite.
 struct CriticalTimes {
     times: [f64; 10],
     len: usize,

@@ -35,7 +35,7 @@ pub struct Camera {
     errors: Option<Box<ImageErrors>>,
     /// Images taken so far.
     image_count: u64,
-    /// Exposure times of the latest images, in order.
+    /// Instants of exposure of the latest images, in order.
     exposed: VecDeque<Time>,
     /// Last exposure since the camera was switched on.
     last: Option<Arc<Exposure>>,

@@ -1,7 +1,7 @@
 //! The compass: the direction clockwise from north, measured in cycles of 100 ms.
 //!
-//! Source: RoBIOS 6 library, compass. The length of a cycle is our choice. If the robi's companion file does not state
-//! the direction of north, it is the world's y axis, our choice.
+//! Source: RoBIOS 6 library, compass. The length of a cycle is our choice. North is the world's y axis (our choice),
+//! unless the companion of the robi states another direction.
 
 use super::cycle::Cycle;
 use crate::drive::Motion;
@@ -58,7 +58,7 @@ impl Compass {
         Some(*self.angle.get_or_insert_with(|| measure(measured_at)))
     }
 
-    /// End of the measurement in progress if it is not continuous, otherwise [`Time::NEVER`]; see
+    /// End of the measurement in progress; [`Time::NEVER`] if there is none or it is continuous. See
     /// [`super::psd::Psds::due`].
     #[inline]
     pub fn due(&self) -> Time {
@@ -82,7 +82,7 @@ impl Compass {
     }
 }
 
-/// Reading of the compass at `at`, rad clockwise from north; 0 for a robot without a compass.
+/// Reading of the compass at `at`, rad clockwise from north, not wrapped; 0 for a robot without a compass.
 pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&CompassErrors>) -> f64 {
     let Some(compass) = compass else { return 0.0 };
     let exact = angle_from_heading(motion.pose(at).heading, compass.north);

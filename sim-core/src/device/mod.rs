@@ -71,8 +71,8 @@ impl Devices {
         queue.press(at, input);
     }
 
-    /// Time by which a finished measurement must be computed, while the world still has the history that it needs;
-    /// [`Time::NEVER`] if there is no such measurement.
+    /// Earliest end of a measurement whose value must be computed at its end, because the world keeps only a short
+    /// history; [`Time::NEVER`] if there is no such measurement.
     #[inline]
     pub fn due(&self) -> Time {
         self.psds.due().min(self.compass.due())

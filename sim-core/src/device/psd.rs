@@ -1,8 +1,9 @@
 //! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only at the end of a complete cycle. The value is a function of the world at that instant, as known
-//! when the program first reads it, and is computed then: [`Ranges::read`](super::range::Ranges::read) computes it and
-//! adds the errors. Source: RoBIOS 6 library, position sensing devices.
+//! A value exists only after a complete cycle, and is measured at the end of the cycle. It is computed when the program
+//! first reads it, from what is then known of the world at the end of the cycle; the last cycle of a measurement is
+//! computed at its end ([`Psds::settle`]). [`Ranges::read`](super::range::Ranges::read) computes the value and adds the
+//! errors. Source: RoBIOS 6 library, position sensing devices.
 
 use std::iter::successors;
 use std::ops::Range;
@@ -14,25 +15,25 @@ use crate::time::Time;
 /// Length of a measuring cycle. Source: RoBIOS manual, about 60 ms.
 pub const CYCLE: Time = Time::from_millis(60);
 
-/// A set of range sensors: bit `i` is sensor `i` of the robi.
+/// A set of range sensors: bit `i` is sensor `i` of the robi, where the PSDs come first.
 pub type SensorSet = u32;
 
-/// The driver of all PSD sensors of a robot.
+/// The driver of all range sensors of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Psds {
     measurement: Option<Measurement>,
-    /// Latest measurements by sensor, in the order of the robi, up to the last sensor that has ever measured.
+    /// Latest measurements by sensor, up to the last sensor that was ever started.
     readings: Vec<Latest>,
     /// End of the latest cycle completed since the last start.
     stamp: Option<Time>,
     /// Sensors that were read in the latest cycle.
     read: SensorSet,
-    /// Sensors that were read in the cycle before, and will probably be read in the latest: the first read measures
-    /// with all of them, because the rays of one instant share work.
+    /// Sensors that were read in the cycle before the latest, and so will probably be read in the latest. The first
+    /// read measures with all of them, because the rays of one instant share work.
     expected: SensorSet,
     /// Revision of the robot's motion at the last measurement. A contact that is resolved at the end of a slot can
-    /// change the motion of that slot, so a value that was not read before is then computed anew. `None` after other
-    /// changes.
+    /// change the motion of that slot; a value that is computed but not yet read is then computed again. `None` after a
+    /// change of sensors or their errors.
     revision: Option<u64>,
 }
 
@@ -40,7 +41,7 @@ pub struct Psds {
 struct Measurement {
     sensors: SensorSet,
     cycle: Cycle,
-    /// End of the cycle that was in progress at the last [`Psds::advance`]; nothing changes before.
+    /// End of the cycle that was in progress at the last [`Psds::advance`]; nothing changes before this end.
     next: Time,
 }
 
@@ -127,8 +128,8 @@ impl Psds {
         }
     }
 
-    /// Drops the values that the program has not read yet: they are computed anew when it reads them. Called if sensors
-    /// or their errors change.
+    /// Drops the values that the program has not read yet; the first read computes them again. Must be called if
+    /// sensors or their errors change.
     pub fn forget_unread(&mut self) {
         self.revision = None;
     }
@@ -139,8 +140,8 @@ impl Psds {
         start.cast()..end.cast()
     }
 
-    /// End of the measurement in progress if it is not continuous, otherwise [`Time::NEVER`]. [`settle`](Self::settle)
-    /// must be called at that time, because the world keeps only a short history.
+    /// End of the measurement in progress; [`Time::NEVER`] if there is none or it is continuous.
+    /// [`settle`](Self::settle) must be called at this time, because the world keeps only a short history.
     #[inline]
     pub fn due(&self) -> Time {
         self.measurement.map_or(Time::NEVER, |measurement| measurement.cycle.last_end())

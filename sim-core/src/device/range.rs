@@ -1,7 +1,7 @@
-//! Range sensors: their readings at an instant.
+//! Readings of the range sensors and of the laser scanner at an instant.
 //!
-//! PSDs come first, then the sensors of the other kinds. Only [`Ranges::read`] turns the world into a reading with
-//! errors.
+//! Lists of range sensors contain the PSDs first, then the sensors of the other kinds. Only [`Ranges::read`] and
+//! [`Ranges::scan`] give readings with errors.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ pub struct SensorView {
 /// A laser scanner of a robot.
 #[derive(Clone, Debug)]
 pub enum Scanner {
-    /// A scanner on the body, level except for its tilt.
+    /// A level scanner on the body; its fan can be tilted.
     Level(Scan),
     /// A scanner at any pose, on the body or on a link.
     InSpace {
@@ -99,7 +99,7 @@ impl Ranges {
         self.sensors.get(index).map_or(NO_RETURN, |sensor| sensor.model.no_return())
     }
 
-    /// Casts the rays of `sensors`, mounted on the body with this motion, at `at`.
+    /// Ray caster at `at` for the sensors of `sensors` on the body with this motion.
     pub fn caster<'a>(&self, sensors: SensorSet, motion: &mut Motion, world: &'a World, at: Time) -> RayCaster<'a> {
         // A sonar casts many rays, so it collects its nearby robots itself.
         let is_shared = |it: &&RangeSensor| it.link.is_none() && !matches!(it.model, RangeModel::Sonar(_));
@@ -109,8 +109,8 @@ impl Ranges {
         world.caster_near(motion.id(), at, count, motion.pose(at).position, reach)
     }
 
-    /// Reading of sensor `index` at the instant of `caster`, with the servo angles just before it; no return if the
-    /// sensor does not exist.
+    /// Reading of sensor `index` at the instant of `caster`, with the servo angles just before this instant. A sensor
+    /// that does not exist has no return.
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, caster: &RayCaster) -> Reading {
         let at = caster.at();
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };

@@ -1,4 +1,4 @@
-//! Servos, which hold the commanded position.
+//! Servos hold the commanded position.
 //!
 //! A servo turns instantly. Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
@@ -43,7 +43,7 @@ impl Servos {
         0.5 * (from + to) - 0.5 * (to - from) * steering_from_position(position)
     }
 
-    /// Turns servo `index` at `now`.
+    /// Turns servo `index` to `position` at `now`.
     pub fn turn(&mut self, index: usize, position: u8, now: Time) {
         let change = Change { at: now, servo: index, from: self.position(index) };
         // Sensors on servos may be read at instants as old as the world's history.

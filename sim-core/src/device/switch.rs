@@ -49,7 +49,7 @@ impl Switches {
         if self.stuck.is_empty() { None } else { self.stuck.get(&index).copied() }
     }
 
-    /// Makes range sensor `index` repeat `reading`, or measure again if it is `None`.
+    /// Makes range sensor `index` repeat `reading`, or measure again if `reading` is `None`.
     pub fn set_stuck(&mut self, index: usize, reading: Option<Reading>) {
         match reading {
             Some(reading) => drop(self.stuck.insert(index, reading)),

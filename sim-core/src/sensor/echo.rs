@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::Reading;
 use crate::math;
 
-/// Standard deviation of the paper's relative noise N (a reading is d (1 + N)), the same for laser, ultrasonic and
-/// reflectance sensors; the mean of N is 0. Source: France et al. 1999, section 5.
+/// Standard deviation of the paper's relative noise N; the mean of N is 0. N scales the distance of laser and
+/// ultrasonic sensors, and the signal of reflectance sensors. Source: France et al. 1999, section 5.
 pub const FRANCE_1999_SIGMA: f64 = 0.01;
 
 /// Tolerance of the incidence limit for rounding of poses and normals, rad.
@@ -41,7 +41,8 @@ impl Echo {
     }
 
     /// Reading of a laser or ultrasonic sensor. `hit` is (distance d in m, incidence in rad), `noise` the paper's N.
-    /// With an echo the distance is d (1 + N) and the signal 1; without, they are the maximum distance and 0.
+    /// With an echo, the distance is d (1 + N) and the signal is 1. Without an echo, the distance is the maximum and
+    /// the signal is 0.
     ///
     /// Source: France et al., section 5. The distance is never below 0: our choice.
     pub fn time_of_flight(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {
@@ -53,9 +54,9 @@ impl Echo {
         }
     }
 
-    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N. It
-    /// has the signal of [`reflected_signal`] and the distance of [`recovered_distance`]. Without an echo, the signal
-    /// is 0 and the distance the maximum.
+    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N. The
+    /// signal is that of [`reflected_signal`], the distance that of [`recovered_distance`]. Without an echo, the signal
+    /// is 0 and the distance is the maximum.
     ///
     /// Source: France et al., Eq. 1 and section 5.
     pub fn reflectance(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {

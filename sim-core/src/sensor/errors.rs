@@ -19,8 +19,8 @@ impl From<&RangeModel> for RangeKind {
 }
 
 impl RangeErrors {
-    /// Applies [`RangeErrors::reading`] to a [`Reading`]: `exact` is the error-free reading of a sensor of type
-    /// `model`.
+    /// Applies [`RangeErrors::reading`] to `exact`, the reading of a sensor of type `model` before these errors.
+    /// `exact` may contain the noise N of France et al.
     ///
     /// An exact reading without signal is treated as no return; no return gives a reading without signal. An outlier
     /// without a return has signal 1.

@@ -1,7 +1,8 @@
-//! Geometry of the sensors on a body: rays, arcs of bumpers, directions of compasses.
+//! Models of the sensors of a robot: rays and echoes, arcs of bumpers, directions of compasses.
 //!
-//! The functions are pure functions of poses and of a [`World`](crate::world::World) at one instant. Sampling periods,
-//! unit conversion, saturation and noise are handled by the [devices](crate::device).
+//! The functions are pure: their results depend on poses, on a [`World`](crate::world::World) at one instant and on
+//! noise values. The [devices](crate::device) handle sampling periods and draw the noise; the API of programs converts
+//! units.
 
 mod bumper;
 mod compass;

@@ -61,8 +61,8 @@ pub struct Reading {
 }
 
 impl RangeModel {
-    /// Reading of a sensor at `world_from_sensor` of the robot of `caster`, at its instant, with the `noise` N of
-    /// France et al.; N = 0 gives the exact reading.
+    /// Reading of a sensor of the robot of `caster` at the pose `world_from_sensor`, at the instant of `caster`.
+    /// `noise` is N of France et al.; N = 0 gives the exact reading.
     ///
     /// The sensor does not detect its own robot. N scales the distance, except for the reflectance sensor, where it
     /// scales the signal; for PSD and sonar this is our choice.
@@ -100,7 +100,7 @@ impl RangeModel {
 }
 
 impl Posture<'_> {
-    /// World pose of a device at `mount` on a link, given by its index in the list, or on the body.
+    /// World pose of a device at `mount` on the link with index `link`, or on the body if `link` is `None`.
     ///
     /// # Panics
     /// Like [`link_pose`].

@@ -29,7 +29,7 @@ impl Mount {
     }
 }
 
-/// A sensor with one ray: a PSD, or an infrared proximity switch.
+/// A sensor with one ray: a PSD, or an infrared proximity sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// Mounting pose.
@@ -41,8 +41,9 @@ pub struct Beam {
 impl Beam {
     /// First hit of the sensor of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`.
     ///
-    /// The sensor detects walls and the bodies of other robots, but not its own robot. The result is `None` if nothing
-    /// lies within `range`, and has distance 0 if the sensor's origin lies inside another body. The caller adds noise.
+    /// The sensor detects walls, fixed bodies, objects and other robots, but not its own robot and not meshes. The
+    /// result is `None` if nothing lies within `range`, and has distance 0 if the sensor's origin lies inside another
+    /// body. The caller adds noise.
     ///
     /// Source: Koestler & Bräunl, section 4.1; `None` if nothing is within range: our choice.
     pub fn cast(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
@@ -55,7 +56,7 @@ impl Beam {
         self.cast(world, observer, world_from_robot, at).map(|hit| hit.distance)
     }
 
-    /// Returns true if anything lies within range: the reading of an infrared switch.
+    /// Returns true if anything lies within range: the reading of an infrared proximity sensor.
     pub fn is_interrupted(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> bool {
         self.cast(world, observer, world_from_robot, at).is_some()
     }

@@ -1,4 +1,4 @@
-//! Ultrasonic sensors with a beam, which detect the nearest echo in it.
+//! Ultrasonic sensors with a beam; they detect the nearest echo in the beam.
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
@@ -57,10 +57,11 @@ pub struct SideLobes {
 impl Sonar {
     /// The SRF08 by Devantech.
     ///
-    /// Published: 3 cm to 6 m, and a beam of about 55 degrees, the angle between the -6 dB points of its 40 kHz
-    /// transducers. According to Gois & Hiller, section 6, its range is "actually much larger" than 6 m. The threshold
-    /// of 0.00186 is our estimate. With this threshold the sensor just detects a rod of 3 cm at 2 m, as reported for
-    /// its family, and a wall up to 23 m. No side lobes are published. The number of 64 rays is our choice.
+    /// The published values are 3 cm to 6 m and a beam of about 55 degrees, the angle between the -6 dB points of its
+    /// 40 kHz transducers. According to Gois & Hiller, section 6, the range is "actually much larger" than 6 m. The
+    /// threshold of 0.00186 is our estimate. With this threshold the sensor just detects a rod of 3 cm at 2 m, as
+    /// reported for similar sensors, and would detect a wall up to 23 m. No side lobes are published. The number of 64
+    /// rays is our choice.
     pub fn srf08() -> Self {
         Self {
             min: 0.03,
@@ -111,12 +112,12 @@ impl Sonar {
     /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, towards the
     /// nearest point of every body in reach, along a horizontal fan of rays and, if this may not suffice, along a
     /// spiral of rays. The search towards the nearest points finds mirrors, and is exact for surfaces that face the
-    /// sensor. In a world with meshes, the perpendicular of each surface that a ray of the fan or spiral hits is tried
+    /// sensor. In a world with meshes, a ray perpendicular to each surface that a ray of the fan or spiral hits is cast
     /// too. Second reflections are ignored.
     ///
     /// The fan covers the azimuths, and the spiral the part of the half space, from which an echo may be detected. The
     /// fan suffices if the sensor is level, all bodies that are nearer than the nearest echo so far are upright and
-    /// reach up to the sensor, and the floor is a perfect mirror.
+    /// reach up to the sensor, and the floor, if there is one, is a perfect mirror.
     ///
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
@@ -137,7 +138,7 @@ impl Sonar {
         }
     }
 
-    /// Maximum distance of a detectable echo at `angle` rad off the line of sight, m.
+    /// Maximum distance at which a perfect reflector is detectable, at `angle` rad from the line of sight, m.
     fn max_distance_at(&self, angle: f64) -> f64 {
         (self.gain(angle) / self.threshold.sqrt()).min(self.max)
     }
@@ -167,8 +168,8 @@ struct EchoSearch<'a> {
 }
 
 impl EchoSearch<'_> {
-    /// Casts a ray along `direction`, `angle` rad from the line of sight, and keeps its echo if that is detectable and
-    /// the nearest so far. Returns the surface that the ray hits, if its echo could be the nearest.
+    /// Casts a ray along `direction`, `angle` rad from the line of sight, and keeps the echo if it is detectable and
+    /// the nearest so far. Returns the surface that the ray hits, if the echo could be the nearest.
     fn try_direction(&mut self, direction: DVec3, angle: f64) -> Option<HitSurface> {
         let range = self.sonar.max_distance_at(angle).min(self.distance);
         if range < self.sonar.min {
@@ -259,8 +260,8 @@ impl EchoSearch<'_> {
         }
     }
 
-    /// Casts a ray along `direction`, `angle` rad from the line of sight. In a world with meshes, tries the
-    /// perpendicular of the surface that the ray hits too.
+    /// Casts a ray along `direction`, `angle` rad from the line of sight. In a world with meshes, also casts a ray
+    /// perpendicular to the surface that the first ray hits.
     fn try_ray(&mut self, direction: DVec3, angle: f64) {
         let hit = self.try_direction(direction, angle);
         if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
