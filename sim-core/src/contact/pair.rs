@@ -33,8 +33,8 @@ pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
             let excess = gap - TOUCH;
             let root = (rate * rate + 2.0 * acceleration * excess).sqrt();
             let step = if rate < 0.0 { 2.0 * excess / (root - rate) } else { (rate + root) / acceleration };
-            // Since each step is at least half a picosecond, the iteration ends; such a step changes the gap by no more
-            // than a rounding error.
+            // Since each step is at least half a picosecond, the iteration ends; where this minimum applies, the
+            // remaining gap is a rounding error.
             t += step.max(5e-13);
             if !step.is_finite() {
                 return None;

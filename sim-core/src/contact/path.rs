@@ -159,9 +159,9 @@ fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Angle in rad by which a path may have turned for a surrounding disc with its centre on the tangent at the start of
-/// the path; later the centre is on the arc. A disc on the tangent is enlarged by the maximum distance between arc and
-/// tangent: half of the acceleration times the squared time. It needs no trigonometric function. Our choice.
+/// Turn of a path since its start, rad, up to which the centre of a surrounding disc is on the tangent at the start;
+/// after a larger turn the centre is on the path. A disc on the tangent is enlarged by the maximum distance between
+/// path and tangent: half of the acceleration times the squared time. It needs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {

@@ -53,7 +53,7 @@ impl Push {
         }
         let tracks: Vec<_> =
             touched.iter().filter_map(|contact| Some((contact, self.track_along(contact, false)?))).collect();
-        // The disc exerts no pressure on a wall that it approaches only by a rounding error.
+        // Without a track, the disc approaches walls only by rounding errors, so that it exerts no pressure on them.
         let grazed =
             touched.iter().filter(|contact| tracks.is_empty() && self.is_approached(&self.free, contact, duration));
         let grazing_tracks: Vec<_> =

@@ -37,7 +37,7 @@ pub struct Camera {
     image_count: u64,
     /// Instants of exposure of the latest images, in order.
     exposed: VecDeque<Time>,
-    /// Last exposure since the camera was switched on.
+    /// Last exposure since the last [`Camera::switch_on`]; `None` if there is none or the camera is off.
     last: Option<Arc<Exposure>>,
     workspace: Workspace,
 }
@@ -124,7 +124,7 @@ impl Camera {
         self.setting.take().is_some()
     }
 
-    /// Last exposure since the camera was switched on.
+    /// Last exposure since the last [`Camera::switch_on`]; `None` if there is none or the camera is off.
     pub fn last(&self) -> Option<&Exposure> {
         self.last.as_deref()
     }
@@ -155,7 +155,7 @@ impl Camera {
         }
     }
 
-    /// Records an image that has been taken: counts it and stores its exposure as the last one.
+    /// Records an image that has been taken: counts the image and stores its exposure as the last one.
     pub(crate) fn record(&mut self, exposure: Exposure) {
         self.image_count = exposure.number;
         while self.exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use crate::drive::Motion;
 use crate::time::Time;
 
-/// Fraction of a count that may be missing when the encoder counts: far above rounding errors, far below any commanded
-/// motion.
+/// Tolerance for rounding when an encoder counts, in counts: far above rounding errors, far below any commanded motion.
 const TOLERANCE: f64 = 1e-9;
 
 /// Encoders of a robot, by wheel. Each encoder has two counters, which are reset separately: the count and the

@@ -51,7 +51,7 @@ pub enum Command {
 /// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
 /// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on
 /// at most half of the circle. To a point exactly at its side, the robot drives half a circle forwards (our choice); to
-/// a point on the x axis, a straight line. The displacement to the robot's own position is zero.
+/// a point on the x axis, the robot drives a straight line. The displacement to the robot's own position is zero.
 ///
 /// Source: `VWDrive` of RoBIOS-7, which requires x > |y|; the result for other points is our choice.
 pub fn arc_to(point: DVec2) -> Twist {
@@ -86,7 +86,7 @@ pub enum CommandError {
         /// Number of wheels with a motor.
         wheels: usize,
     },
-    /// Thrusters accept forces but neither speeds nor targets.
+    /// Thrusters accept the rates of their motors, but neither speeds nor targets.
     #[error("thrusters are driven by their motors alone, accepted: rates of single motors")]
     Thrusters,
     /// Only an omni drive and legs can move sideways.
@@ -147,7 +147,7 @@ pub(super) struct CommandState {
 }
 
 impl CommandState {
-    /// These commands with `command` added or replaced.
+    /// The commands in force after `command`.
     pub fn with(self, model: &Model, command: Command) -> Result<Self, CommandError> {
         match command {
             Command::Halt => Ok(Self { active: ActiveCommand::Idle, ..self }),

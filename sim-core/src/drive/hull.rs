@@ -1,6 +1,6 @@
 //! A hull under water: velocity and height from the thrust of its thrusters, against linear and quadratic drag.
 //!
-//! Surge, turn and heave each follow a closed form. While the hull turns, its momentum keeps its direction in the
+//! Surge, sway, turn and heave each follow a closed form. While the hull turns, its momentum keeps its direction in the
 //! world. This is computed by Strang splitting: half of the tick's turn, then the closed forms along the heading in the
 //! middle of the tick, then the other half of the turn. See docs/water.md.
 
@@ -30,12 +30,12 @@ impl From<Drag> for [f64; 2] {
 
 /// Constant properties of a hull that is neutrally buoyant and stays upright.
 ///
-/// It has four thrusters: the left and the right one push ahead, the front and the back one push up.
+/// The hull has four thrusters: the left and right thrusters push ahead, the front and back thrusters push up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hull {
     /// Force of a thruster at its maximum rate, N; the force is proportional to the rate.
     pub thrust: f64,
-    /// Drag of the motion ahead, sideways, of a turn, and upwards.
+    /// Drag of surge (ahead), sway (sideways), turn and heave (up).
     pub drag: [Drag; 4],
     /// Maximum height of the robot's frame above the floor, m; at this height the top of the hull is at the surface of
     /// the water.

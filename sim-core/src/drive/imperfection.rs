@@ -37,7 +37,7 @@ pub struct Imperfection {
     /// clamped to -1 to 1.
     pub slip_deviation: f64,
     /// Noise of the true motion for a commanded speed and turning speed (`VWSetSpeed`, drives). There is no noise while
-    /// the commanded speed is 0, or while the motors are commanded one by one.
+    /// the commanded speed and turning speed are 0, or while the program commands the rates of the motors.
     pub command: TwistNoise,
     /// Maximum errors of the targets of drives.
     pub bound: DriveBound,
@@ -207,7 +207,7 @@ impl Vehicle {
         nominal: Twist,
     ) -> DisturbedTwists {
         match &self.errors {
-            // These errors apply to wheels and legs only.
+            // The errors apply to wheels and legs, not to hulls.
             Some(errors) if actuation.rates != [0.0; 4] && self.hull.is_none() => {
                 errors.apply(&self.model, start, commands, actuation, nominal)
             }

@@ -1,8 +1,9 @@
 //! Motion of a robot: kinematics of wheels, pieces of closed-form motion, and the chain of pieces that follows a
 //! robot's commands.
 //!
-//! Everything is a function of virtual time in whole microseconds; there are no integration steps, and the slot length
-//! has no influence. This module finds contacts with static walls; [`crate::world`] finds contacts with other robots.
+//! All motion is a function of virtual time in whole microseconds, in pieces of closed form, and does not depend on the
+//! slot length. Only wheel lag, controllers, random errors and hulls advance in ticks. This module finds contacts with
+//! static walls; [`crate::world`] finds contacts with robots and objects.
 
 mod command;
 mod control;

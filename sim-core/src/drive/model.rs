@@ -108,8 +108,8 @@ impl Model {
 
     /// Twist of the axle's midpoint for the given wheel rates (rad/s) and steering angle (rad, left positive).
     ///
-    /// For Mecanum wheels of circumference per radian c, track W and wheelbase L, the turning row of the matrix is (-,
-    /// +, -, +) c / (2 (W + L)). The matrix printed in the source repeats the signs of the row above and is singular.
+    /// For Mecanum wheels of radius r, track W and wheelbase L, the row of the matrix for the turning speed is (-, +,
+    /// -, +) r / (2 (W + L)). The matrix printed in the source repeats the signs of the row above and is singular.
     /// Source: Koestler & Bräunl, section 2.
     pub fn twist_from_wheels(&self, wheels: &Wheels, steering: f64) -> Twist {
         let radius = 0.5 * self.wheel_diameter;
@@ -257,7 +257,7 @@ pub(super) mod tests {
     #[test]
     fn differential_drive_matches_the_matrix_of_the_paper() {
         let model = model(DriveKind::Differential);
-        // c = 0.05 m a radian, d = 0.2 m: v = c/2 (L + R), omega = c/d (R - L).
+        // Radius r = 0.05 m, track d = 0.2 m: v = r/2 (L + R), omega = r/d (R - L).
         assert_close(model.twist_from_wheels(&[2.0, 4.0, 0.0, 0.0], 0.0), Twist::new(0.15, 0.5));
         assert_eq!(model.twist_from_wheels(&[0.3, 0.3, 0.0, 0.0], 0.0).omega, 0.0);
     }
@@ -267,7 +267,7 @@ pub(super) mod tests {
         let model = model(DriveKind::Omni);
         let to_side = model.twist_from_wheels(&[-1.0, 1.0, 1.0, -1.0], 0.0);
         assert_close(to_side, Twist { vx: 0.0, vy: 0.05, omega: 0.0 });
-        // c / (2 (W + L)) (-, +, -, +): 0.05 / (2 * 0.5) * 4.
+        // r / (2 (W + L)) (-, +, -, +): 0.05 / (2 * 0.5) * 4.
         assert_close(model.twist_from_wheels(&[-1.0, 1.0, -1.0, 1.0], 0.0), Twist::new(0.0, 0.2));
         assert_close(model.twist_from_wheels(&[1.0; 4], 0.0), Twist::new(0.05, 0.0));
     }

@@ -53,7 +53,7 @@ pub struct Impact {
     /// Direction from the robot's centre to the touched point, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
     /// False if an earlier contact continues: the body already touched the wall when the body began to move, or the
-    /// same robot stopped the body within the last 100 ms.
+    /// body was pressed against the same wall or stopped by the same robot within the last 100 ms.
     pub fresh: bool,
 }
 
@@ -150,7 +150,8 @@ pub(crate) struct DriveState {
     pub twist_without_objects: Twist,
     /// Fraction of this twist with which the robot moves, 0 to 1.
     pub fraction: f64,
-    /// Seconds until the robot would come to rest without contacts; can be infinite.
+    /// Seconds until the robot comes to rest on the present plan; infinite if it does not, or if an object blocks it
+    /// now.
     pub time_to_rest: f64,
 }
 
@@ -336,8 +337,8 @@ impl Motion {
         self.vehicle.errors.as_ref().map(|errors| errors.imperfection).unwrap_or_default()
     }
 
-    /// Number of changes of the plan, by commands and by contacts with robots or objects. As long as the number is the
-    /// same, queries about the future give the same results.
+    /// Number of changes of the plan, such as commands, placements, and contacts with robots or objects. While this
+    /// number is constant, queries about the future give constant results.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -553,7 +554,8 @@ impl Motion {
     }
 
     /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed that the
-    /// wheels command. It is 0 without contact and 1 for a body at rest.
+    /// wheels command. It is 1 if a wall holds the body at rest while the wheels slip. It is 0 without contact, and
+    /// with [`ContactRule::Stall`].
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
         self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, ratio)| ratio)
@@ -565,13 +567,15 @@ impl Motion {
         !rates.truth.is_zero() || rates.wheels.iter().any(|&rate| rate != 0.0)
     }
 
-    /// Number of contacts until `at`: impacts with obstacles that the body did not touch already.
+    /// Number of contacts until `at`: impacts with obstacles that the body did not touch already. In the present slot,
+    /// contacts with objects are not counted.
     pub fn contacts(&mut self, at: Time) -> u32 {
         self.contacts + self.uncommitted_impacts(at).iter().filter(|impact| impact.fresh).count() as u32
     }
 
     /// The impacts whose `known_at` is between `since` and `until`, both included, in order of time. Before the present
-    /// slot only the last 32 impacts are kept, or [none](Motion::without_impact_log).
+    /// slot only the last 32 impacts are kept, or [none](Motion::without_impact_log). In the present slot, impacts with
+    /// objects are not included.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted_impacts(until);
         let is_in_interval = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
@@ -947,7 +951,7 @@ impl Motion {
             }
         }
         next.is_placed = matches!(input, Input::Place(_)) || stage.is_placed && stage.piece.start == at;
-        // A stage of no duration consists only of its commands, and the new stage contains them.
+        // The new stage replaces a stage that starts at the same instant, and contains the commands of that stage.
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
         self.revision += 1;
@@ -1027,7 +1031,7 @@ impl Motion {
         false
     }
 
-    /// The impacts of the present slot up to `until`.
+    /// The impacts with walls and robots in the present slot up to `until`.
     fn uncommitted_impacts(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
         let mut impacts = Vec::new();

@@ -69,7 +69,7 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The state at `at`, which must not be before `start`. It depends on nothing but `at`.
+    /// The state at `at`, which must not be before `start`. The result depends only on the piece and `at`.
     pub fn state(&self, at: Time) -> State {
         self.state_after((at - self.start).seconds(), self.state.world_from_axle.heading.direction())
     }

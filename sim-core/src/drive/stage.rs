@@ -124,7 +124,7 @@ const _: () = assert!(offset_of!(Stage, piece.state.world_from_axle) + size_of::
 const FIRST_SEARCH: f64 = 0.1;
 
 impl Stage {
-    /// Length of the start of a stage, with its path, its start and the pose there.
+    /// Length of the head of a stage, in bytes: its path, its start time and the pose at the start.
     pub const HEAD_LEN: usize = 256;
 
     /// Stage that follows `commands` from `start` on. It begins with the robot in `state` and its wheels in
@@ -161,8 +161,8 @@ impl Stage {
         stage.set_path(model);
         let mut obstacle = stage.approached(model.body_radius, touching);
         if obstacle.is_some() && stage.has_motion_errors() {
-            // Contacts with robots are found at ends of slots only. So the robot drives without errors for `HISTORY`:
-            // contacts that follow each other within this time are reported as one.
+            // Contacts with robots are found at ends of slots only. So the robot drives without errors for `HISTORY`;
+            // contacts that follow each other within `HISTORY` are reported as one.
             stage.suppress_errors(model, start + HISTORY);
             obstacle = stage.approached(model.body_radius, touching);
         }
@@ -201,7 +201,7 @@ impl Stage {
         (at - self.piece.start).seconds().clamp(0.0, self.piece.duration.max(0.0))
     }
 
-    /// State at `at`, which must not be before the start. It depends on nothing but `at`.
+    /// State at `at`, which must not be before the start. The result depends only on the stage and `at`.
     pub fn state(&self, model: &Model, at: Time) -> State {
         self.state_after(model, (at - self.piece.start).seconds())
     }
@@ -311,7 +311,7 @@ impl Stage {
     }
 
     /// Removes the motion errors until `until`, because only the errors press the robot against a contact; the wheels
-    /// are assumed to slip there.
+    /// are assumed to slip at this contact.
     fn suppress_errors(&mut self, model: &Model, until: Time) {
         self.unhindered_twist = nominal_twist(model, &self.commands, &self.actuation);
         self.piece.rates.truth = self.piece.rates.nominal;
@@ -588,7 +588,7 @@ impl Stage {
         control::step(model, controllers, active.target(), *steering, &self.actuation)
     }
 
-    /// The commands in force at `at`; a drive with its remaining displacement.
+    /// The commands in force at `at`; a drive contains the displacement that remains at `at`.
     pub fn commands_at(&self, at: Time) -> CommandState {
         let active = match self.commands.active {
             ActiveCommand::Drive { total, remaining, rate } => {

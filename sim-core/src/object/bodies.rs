@@ -109,7 +109,7 @@ impl Bodies {
         bodies
     }
 
-    /// Adds an object at rest and awake; returns its id, the next one.
+    /// Adds an object at rest and awake; returns its id, the next free id.
     pub fn add(&mut self, properties: Arc<Properties>, pose: Pose) -> ObjectId {
         self.insert_object(properties, pose);
         ObjectId::from_index(self.objects.len() - 1)
@@ -469,7 +469,7 @@ impl Bodies {
             if let Some((direction, pose)) = pushed
                 && velocity.linear.dot(*direction) <= 0.0
             {
-                // The push did not happen, or friction was stronger.
+                // The expected push did not occur, or friction was stronger.
                 body.set_position(*pose, false);
                 set_velocity(body, Velocity::ZERO);
             } else if *loss_after > 0.0 && velocity != Velocity::ZERO {

@@ -1,9 +1,9 @@
 //! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
 //! This module contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual
-//! time. The library rapier solves the contacts; after each step, this module applies floor friction and rolling
-//! resistance and removes energy that the step has added. It neither reads files nor computes a robot's reaction to a
-//! push: here, robots are discs with a velocity ([`Pusher`]).
+//! time. The library rapier solves the contacts. This module applies floor friction or rolling resistance before and
+//! after each step of rapier, and removes energy that the step has added. It neither reads files nor computes how a
+//! robot's drive reacts to a push: here, robots are discs with a velocity ([`Pusher`]).
 //!
 //! The solver is built with the feature `objects`. Without it, [`Bodies`] cannot be constructed, and scenes with
 //! movable objects are rejected.

@@ -145,7 +145,7 @@ pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: 
         return Some(0.0);
     }
     let along = offset.dot(direction);
-    // Computed from the line's nearest point to the centre, which preserves precision for a distant disc.
+    // Computed from the point of the line that is nearest to the centre; this preserves precision for a distant disc.
     let distance_squared = (offset - direction * along).length_squared();
     let half_chord_squared = radius * radius - distance_squared;
     (along > 0.0 && half_chord_squared >= 0.0).then(|| (along - half_chord_squared.sqrt()).max(0.0))

@@ -48,10 +48,10 @@ pub struct Figure {
 /// Hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
-    /// Distance from the ray's origin, m; 0 if the origin is inside the body.
+    /// Distance from the ray's origin, m; 0 if the origin is inside a prism or capsule.
     pub distance: f64,
     /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray's direction if the origin
-    /// is inside the body.
+    /// is inside a prism or capsule.
     pub normal: DVec3,
     /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 / radius for a convex surface.
     pub curvature: DVec2,
@@ -84,7 +84,8 @@ impl Figure {
     /// First hit of a ray (in the world frame) on a body of this shape at `world_from_body`. Hits beyond `range` metres
     /// may be omitted.
     ///
-    /// `direction` is a unit vector. A ray that starts inside or on the body hits it at distance 0.
+    /// `direction` is a unit vector. A ray that starts inside or on a prism or capsule hits it at distance 0; a mesh is
+    /// hollow.
     pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
         self.first_hit(world_from_body, origin, direction, |solid, origin, direction| {
             solid.cast(origin, direction, range)
@@ -110,7 +111,8 @@ impl Figure {
         self.solids.iter().any(|solid| matches!(solid, Solid::Mesh(_)))
     }
 
-    /// [`Figure::cast`] with hollow prisms: a ray that starts inside hits the face through which it leaves.
+    /// [`Figure::cast`] for prisms only, as hollow bodies: the hit of a ray that starts inside is where the ray leaves
+    /// the prism.
     pub fn cast_hollow(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
         self.first_hit(world_from_body, origin, direction, Solid::cast_hollow)
     }
@@ -135,7 +137,7 @@ impl Figure {
         self.solids.iter().map(|solid| solid.bounds(world_from_body)).fold(Bounds::EMPTY, Bounds::union)
     }
 
-    /// Calls `visit` with the point of each part nearest to `point`, both in the world frame; skips meshes.
+    /// Calls `visit` for each part with its nearest point to `point`, both in the world frame; skips meshes.
     pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
         let axis = world_from_body.heading.direction();
         let local = to_local(world_from_body.position, axis, point);
@@ -323,7 +325,7 @@ fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64)
 /// sphere. `offset` is the vector from the line's origin to the centre. `None` if the line misses the sphere.
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
-    // Computed from the line's nearest point to the centre, which preserves precision for a distant sphere.
+    // Computed from the point of the line that is nearest to the centre; this preserves precision for a distant sphere.
     let distance_squared = (offset - direction * along).length_squared();
     let half_chord_squared = radius * radius - distance_squared;
     (half_chord_squared >= 0.0).then(|| (along, half_chord_squared.sqrt()))

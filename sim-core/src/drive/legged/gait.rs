@@ -48,7 +48,7 @@ impl Gait {
 pub(super) struct Clock {
     /// Start of validity: decision instants of the clock are after `valid_from`.
     pub valid_from: Time,
-    /// Time of instant 0; at most one instant after `valid_from`.
+    /// Time of instant 0; at most one interval between instants after `valid_from`.
     origin: Time,
     /// Length of the first cycle; all later cycles have the length `period`.
     first_period: Time,

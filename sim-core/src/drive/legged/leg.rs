@@ -145,8 +145,8 @@ impl Leg {
     }
 
     /// Maximum height of the hip above a contact point, m, at which the leg reaches the point. `offset` is the
-    /// horizontal vector from the hip to the point; its components are forwards and to the left of the foot. `None` if
-    /// the point is out of reach at any height.
+    /// horizontal vector from the hip to the point; its components are ahead and to the left, as seen from the foot.
+    /// `None` if the point is out of reach at any height.
     pub fn max_hip_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
         let to_ankle = self.contact_to_ankle(sole);
         let root = |square: f64| (square >= 0.0).then(|| square.sqrt());

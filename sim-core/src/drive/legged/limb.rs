@@ -8,7 +8,7 @@ use crate::{
     scene::Capsule,
 };
 
-/// Length of [`Limb::ground_margin`] of a shank, as a multiple of the limb's radius. Our choice.
+/// [`Limb::ground_margin`] of a shank, as a multiple of the limb's radius. Our choice.
 const GROUND_MARGIN_RADII: f64 = 3.0;
 
 /// A part of a legged robot whose contacts are reported, with the index of the leg.

@@ -1,8 +1,8 @@
 //! Legged locomotion.
 //!
 //! The model is kinematic, without forces. A legged robot moves in the plane like any robot, on a chain of pieces of
-//! motion that follow its commands. Its feet, joints and body height are functions of that motion and of virtual time,
-//! so they are exact for every slot length too. See docs/legged.md.
+//! motion that follow its commands. Its feet, joints and body height are functions of this motion and of virtual time,
+//! so they do not depend on the slot length either. See docs/legged.md.
 
 mod curve;
 mod gait;
@@ -42,7 +42,7 @@ pub struct Legs {
 /// A command of a robot's program to its legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LegCommand {
-    /// Walk in the gait with this index. Feet in the air land as planned.
+    /// Walk in the gait with this index. Feet in the air land at their planned instants.
     Gait(usize),
     /// Set the height to which a foot is lifted above the higher of its two footholds, m.
     StepHeight(f64),

@@ -48,8 +48,8 @@ impl SmoothValue {
         self.steps.iter().all(|(start, span, _)| *start + *span <= at)
     }
 
-    /// Drops the steps that end before `at`. Values from `at` on stay bit-identical, because the sum starts with the
-    /// oldest step.
+    /// Drops the oldest steps if they have ended at `at`. Values from `at` on stay bit-identical, because the sum
+    /// starts with the oldest step.
     pub fn forget(&mut self, at: Time) {
         let done = self.steps.iter().take_while(|(start, span, _)| *start + *span <= at).count();
         self.base = self.steps.drain(..done).fold(self.base, |sum, (_, _, change)| sum + change);

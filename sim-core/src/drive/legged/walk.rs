@@ -42,7 +42,7 @@ const MAX_GOAL_SHIFT: f64 = 1.6;
 const MAX_SCALE: f64 = 1.2;
 /// Minimum change of the scale of the body's bob; smaller changes are ignored. Our choice.
 const MIN_SCALE_CHANGE: f64 = 0.02;
-/// Number of positions that are tried for a foot, from its goal towards the body.
+/// Maximum number of times that the goal of a foot is moved towards the body.
 const TRIED_POSITIONS: i32 = 16;
 /// Number of intervals between two footholds; the height of the ground is sampled at the ends of each interval.
 const GROUND_INTERVALS: i32 = 8;
@@ -66,7 +66,7 @@ pub(in crate::drive) trait Plan {
     /// Number of changes of the plan so far.
     fn revision(&self) -> u64;
 
-    /// The pieces of motion that are valid from just before `from` up to `to`.
+    /// The pieces of motion that are valid from `from` to `to`, both included.
     fn pieces(&mut self, from: Time, to: Time) -> Vec<MotionPiece>;
 }
 
@@ -114,7 +114,8 @@ pub(in crate::drive) struct Walk {
     reported_until: Time,
 }
 
-/// Position of a standing foot: the point under the ankle of a flat foot, or the tip of the leg.
+/// Position and heading of a standing foot. The position is the point under the ankle of a flat foot, or the tip of the
+/// leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Foothold {
     point: DVec3,
@@ -311,8 +312,8 @@ fn settings_at(settings: &VecDeque<(Time, LegSettings)>, at: Time) -> &LegSettin
 }
 
 impl Steps {
-    /// Makes all decisions after `until` up to `to`. `pieces` are the pieces of the motion that are valid from just
-    /// before `until` on.
+    /// Makes all decisions after `until` up to `to`. `pieces` are the pieces of the motion that are valid from `until`
+    /// to `to`.
     fn extend(&mut self, inputs: &DecisionInputs, pieces: &[MotionPiece], to: Time) {
         loop {
             let opening = pieces.iter().find(|piece| piece.start() > self.until).filter(|piece| piece.start() <= to);
@@ -703,7 +704,7 @@ impl Step {
         1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
     }
 
-    /// The foothold nearest to `goal` that is at most `max_shift` metres from the last goal.
+    /// The foothold nearest to `goal` that is at most `max_shift` metres, in plan view, from the last goal.
     fn limited_goal(&self, goal: Foothold, max_shift: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
         let shift = (goal.point - last.point).truncate();
@@ -817,7 +818,7 @@ fn apex_height(inputs: &DecisionInputs, at: Time, leg: usize, start: &Foothold, 
     };
     let (_, lift) = settings.corrections[leg];
     let highest = (1..GROUND_INTERVALS).map(ground_between).fold(start.point.z.max(goal.point.z), f64::max);
-    // If the ground between is higher than the leg can step over, the foot passes through it.
+    // If the ground between the footholds is higher than the leg can step over, the foot passes through the ground.
     let max_height = start.point.z.max(goal.point.z) + MAX_STEP * inputs.legs.legs[leg].hip.z;
     highest.min(max_height) + settings.step_height + lift
 }

@@ -58,8 +58,7 @@ impl Motion {
         stance
     }
 
-    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 for robots without legs that are not in the
-    /// water.
+    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 for a robot that has neither legs nor a hull.
     pub fn lift(&mut self, at: Time) -> f64 {
         if self.has_variable_height() { self.stance(at).lift } else { 0.0 }
     }
