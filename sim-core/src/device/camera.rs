@@ -1,7 +1,7 @@
 //! Camera of a robot: settings, instant and pose of each exposure, and errors of lens and sensor.
 //!
 //! An image is exposed [`READ_OUT`] before it is available. It shows the scene from the camera's pose at the exposure,
-//! with the published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of
+//! with the published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the instant of
 //! exposure is our choice.
 
 use std::collections::VecDeque;
@@ -33,7 +33,7 @@ pub struct Camera {
     pub setting: Option<Setting>,
     /// `None` if images are exact.
     errors: Option<Box<ImageErrors>>,
-    /// Images taken so far.
+    /// Number of images taken so far.
     image_count: u64,
     /// Instants of exposure of the latest images, in order.
     exposed: VecDeque<Time>,

@@ -1,6 +1,7 @@
 //! User input: keys below the display, touches of the display, and keys of a TV remote control.
 //!
-//! Inputs are queued until the program reads them, so that what it reads does not depend on when it polls (our choice).
+//! Inputs are queued until the program reads them. So the inputs that a program reads do not depend on when the program
+//! polls (our choice).
 
 use std::collections::VecDeque;
 use std::str::FromStr;

@@ -1,9 +1,9 @@
 //! Driver of the range sensors: measures with a chosen set of sensors in cycles of 60 ms.
 //!
-//! A value exists only after a complete cycle, and is measured at the end of the cycle. It is computed when the program
-//! first reads it, from what is then known of the world at the end of the cycle; the last cycle of a measurement is
-//! computed at its end ([`Psds::settle`]). [`Ranges::read`](super::range::Ranges::read) computes the value and adds the
-//! errors. Source: RoBIOS 6 library, position sensing devices.
+//! A value exists only after a complete cycle, and is measured at the end of the cycle. The program's first read
+//! computes the value, from what is then known of the world at the end of the cycle; [`Psds::settle`] computes the
+//! values of the last cycle at the end of a measurement. [`Ranges::read`](super::range::Ranges::read) adds the errors.
+//! Source: RoBIOS 6 library, position sensing devices.
 
 use std::iter::successors;
 use std::ops::Range;

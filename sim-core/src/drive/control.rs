@@ -180,9 +180,9 @@ fn wheel_output(model: &Model, pid: Option<Pid>, set_point: f64, i: usize, actua
     let limit = model.max_wheel_rate;
     let rate = actuation.rates[i];
     let memory = &mut *actuation.memory;
-    // This tolerance is finer than the one for settled wheels, so that the error is 0 once they are settled.
+    // This tolerance is finer than that of settled wheels, so that the error of a settled wheel is 0.
     let error = if (set_point - rate).abs() <= 1e-10 * limit { 0.0 } else { set_point - rate };
-    // Without an integral part the sum stays 0. Otherwise it would never become constant, and neither would the state.
+    // Without an integral part the sum stays 0. Otherwise the sum, and so the state, would never become constant.
     let sum = if pid.i > 0.0 { memory.sums[i] + error * TICK.seconds() } else { 0.0 };
     let output = pid.p * error + pid.i * sum - pid.d * (rate - memory.previous_rates[i]) / TICK.seconds();
     // While the output is saturated, the sum may only shrink: a larger sum would cause overshoot later.
@@ -196,7 +196,7 @@ fn wheel_output(model: &Model, pid: Option<Pid>, set_point: f64, i: usize, actua
 /// Rates to which the PI controllers set the wheels; integrates the errors.
 fn body_output(model: &Model, gains: &Gains, set_point: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
     let actual = model.twist_from_wheels(&actuation.rates, steering);
-    // This tolerance is finer than the one for settled wheels, so that all errors are 0 once they are settled.
+    // This tolerance is finer than that of settled wheels, so that all errors of settled wheels are 0.
     let close = 1e-10 * model.max_wheel_rate * model.wheel_diameter;
     let error = |set: f64, actual: f64, close: f64| if (set - actual).abs() <= close { 0.0 } else { set - actual };
     let (error_v, error_w) = (

@@ -234,8 +234,8 @@ impl MotionErrors {
     }
 
     /// `displacement` of a drive that begins at `at`, with the error of its target. The random numbers are indexed by
-    /// `at`. An Ackermann drive keeps the commanded curve, which may be its tightest: the angle has the same relative
-    /// error as the length.
+    /// `at`. An Ackermann drive keeps the commanded curve, which may be the tightest possible; so the angle has the
+    /// same relative error as the length.
     pub fn with_target_error(&self, kind: DriveKind, at: Time, displacement: Twist) -> Twist {
         let DriveBound { length, angle } = self.imperfection.bound;
         if length == 0.0 && angle == 0.0 {

@@ -85,7 +85,7 @@ pub(crate) struct Passage {
 pub(crate) type Passages = SmallVec<[Passage; 1]>;
 
 impl Passage {
-    /// Seconds for which the disc has moved until `at`.
+    /// Seconds for which the disc has moved on the path until `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
         ((at - self.start).seconds().min(self.end) - self.begin).max(0.0)
     }

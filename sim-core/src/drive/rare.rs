@@ -1,4 +1,4 @@
-//! A value that rarely differs from its default, and takes one machine word as long as it does not.
+//! A value that rarely differs from its default; an unwritten value takes one machine word.
 
 use std::ops::{Deref, DerefMut};
 

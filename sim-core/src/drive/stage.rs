@@ -45,8 +45,8 @@ pub(super) struct Stage {
     error_free_until: Option<Time>,
     pub piece: Piece,
     pub commands: CommandState,
-    /// State of wheels and controllers just before the stage. If another command arrives at the same instant, it starts
-    /// from this state.
+    /// State of wheels and controllers just before the stage. If another command arrives at the start of the stage,
+    /// that command starts from this state.
     pub actuation_before: Actuation,
     /// State of wheels and controllers during the stage.
     pub actuation: Actuation,

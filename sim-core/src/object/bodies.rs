@@ -602,8 +602,8 @@ impl Clone for Bodies {
             narrow_phase: narrow_phase.clone(),
             bodies: bodies.clone(),
             colliders: colliders.clone(),
-            // Between steps the pipelines and the solver contain only buffers, so new ones give the same results.
-            // Joints and soft bodies are not used.
+            // Between steps the pipelines and the solver contain only buffers, so a new world with the copied state
+            // gives the same results. Joints and soft bodies are not used.
             ..PhysicsWorld::new()
         };
         Self {

@@ -151,7 +151,8 @@ pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: 
     (along > 0.0 && half_chord_squared >= 0.0).then(|| (along - half_chord_squared.sqrt()).max(0.0))
 }
 
-/// Distance along a ray to a rectangle around the origin, including its border; `None` if the ray misses it.
+/// Distance along a ray to a rectangle around the origin: 0 if the ray starts inside, `None` if it misses the
+/// rectangle. The border belongs to the rectangle.
 fn cast_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<f64> {
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
     for axis in 0..2 {

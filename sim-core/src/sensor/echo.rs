@@ -70,8 +70,8 @@ impl Echo {
     }
 }
 
-/// Incidence angle: between a ray along `direction` and the normal of the surface that it hits, 0 to pi/2 rad, for
-/// either orientation of the normal.
+/// Incidence angle, 0 to pi/2 rad: the angle between a ray along `direction` and the normal of the surface that the ray
+/// hits, for either orientation of the normal.
 ///
 /// The computation from sine and cosine is equally accurate at normal and at grazing incidence.
 pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
