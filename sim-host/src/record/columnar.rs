@@ -1,5 +1,5 @@
-//! The trace as a table in Parquet: a row for each line of the trace in JSON lines but the first, a column for each
-//! name of a field. Its schema is described in `docs/trace.md`.
+//! The trace as a table in Parquet: one row for each line of the trace in JSON lines except the first, one column for
+//! each field name. `docs/trace.md` describes the schema.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -66,7 +66,7 @@ fn type_of(cell: CellType) -> Type {
 
 /// Sink that writes a trace as a table.
 ///
-/// Dropped before [`Sink::finish`], it completes the file without the row `end`.
+/// If the sink is dropped before [`Sink::finish`], it completes the file without the row `end`.
 pub struct ColumnarTrace {
     table: TableWriter<Box<dyn Write + Send>>,
     layout: Layout,
@@ -181,7 +181,7 @@ impl Drop for ColumnarTrace {
 /// Reads a trace in Parquet as the text of the same trace in JSON lines.
 pub struct Lines {
     rows: RowIter<'static>,
-    /// The columns of this version, as columns of the file.
+    /// For each column of `layout`, the index of the file's column with its name; `None` if the file has none.
     columns: Vec<Option<usize>>,
     layout: Layout,
     /// Lines that are not read yet.
@@ -192,7 +192,7 @@ impl Lines {
     /// Opens the trace in `file`.
     ///
     /// # Errors
-    /// It cannot be read, or is not a trace.
+    /// If the file cannot be read or is not a trace.
     pub fn open(file: File) -> io::Result<Self> {
         let reader = SerializedFileReader::new(file).map_err(|error| damaged(io_error(error)))?;
         let metadata = reader.metadata().file_metadata();
@@ -277,7 +277,7 @@ impl Line<'_> {
     }
 }
 
-/// Calls `read`, and makes a panic of the Parquet crate, whose reader trusts the file, an error.
+/// Calls `read` and converts a panic to an error: the reader of the Parquet crate panics on some damaged files.
 fn guarded<T>(read: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err(damaged("its content is damaged")))
 }

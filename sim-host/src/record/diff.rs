@@ -155,8 +155,8 @@ fn is_position(event: &RecordedEvent) -> bool {
     event.robot.is_some() && (event.kind == Kind::Pose.name() || event.kind == Kind::Placed.name())
 }
 
-/// First difference in the slot that ends at `slot_end`: the earliest by time, then by robot. Adds to `last_events` the
-/// last event of each robot.
+/// First difference in the slot that ends at `slot_end`: the earliest by time, then by robot. Stores in `last_events`
+/// the last event of each robot before its first difference.
 fn first_difference(
     slot_end: Time,
     slots: [Vec<RecordedEvent>; 2],

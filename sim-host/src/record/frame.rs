@@ -1,4 +1,5 @@
-//! Images of robots' cameras as files, for `eyesim run --frames` and `eyesim shot`; images and scans for recordings.
+//! Images of robots' cameras as files, for `eyesim run --frames` and `eyesim shot`; images, scans and layers for
+//! recordings.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ pub enum Pixels<'a> {
     Bayer(&'a [u8]),
     /// Distance of the surface in each pixel, mm; infinite for the sky.
     Depth(&'a [f32]),
-    /// Number of the object in each pixel.
+    /// Label of each pixel: the number of a body, or of sky, floor or wall.
     Labels(&'a [i32]),
 }
 
@@ -104,7 +105,7 @@ pub struct StoredFrame {
     pub png: Vec<u8>,
 }
 
-/// Image or scan taken by a program; the trace contains only a summary of it.
+/// Image, scan or layer of a program. The trace contains only a summary of an image or scan, and no layers.
 #[derive(Clone, Debug)]
 pub enum StoredCapture {
     /// An image.
@@ -115,12 +116,12 @@ pub enum StoredCapture {
     Layer(String, Arc<Layer>),
 }
 
-/// Destination of all images and scans that programs take. Images are written to a folder when they are taken. For a
-/// recording, images and scans are stored in memory until the recording takes them at the slot's end.
+/// Destination of all images, scans and layers of programs. Images are written to a folder when they are taken. For a
+/// recording, images, scans and layers are stored in memory until the recording takes them at the slot's end.
 #[derive(Debug, Default)]
 pub struct Frames {
     folder: Option<Folder>,
-    /// Images and scans of this slot, with time and robot.
+    /// Images, scans and layers of this slot, with time and robot.
     captures: Option<Mutex<Vec<(Time, RobotId, StoredCapture)>>>,
     /// The first image in order of (time, robot) that could not be written.
     failure: Mutex<Option<Failure>>,
@@ -170,16 +171,16 @@ impl Frames {
         Ok(Self { folder: Some(folder), ..Self::default() })
     }
 
-    /// Also stores images and scans in memory, for [`Self::take`].
+    /// Also stores images, scans and layers in memory, for [`Self::take`].
     pub fn storing(self) -> Self {
         Self { captures: Some(Mutex::default()), ..self }
     }
 
-    /// Removes and returns the images and scans stored since the last call, in order of (time, robot).
+    /// Removes and returns the images, scans and layers stored since the last call, in order of (time, robot).
     pub fn take(&self) -> Vec<(Time, RobotId, StoredCapture)> {
         let mut captures =
             self.captures.as_ref().map(|captures| std::mem::take(&mut *captures.lock())).unwrap_or_default();
-        // A stable sort: images and scans of one robot at one time keep their order.
+        // The sort is stable: captures of one robot at one time keep their order.
         captures.sort_by_key(|(time, robot, _)| (*time, *robot));
         captures
     }

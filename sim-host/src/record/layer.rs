@@ -10,7 +10,7 @@ use sim_core::time::Time;
 pub struct Layer {
     /// Virtual time at which it was shown.
     pub at: Time,
-    /// Pose in the world of the frame of its coordinates.
+    /// Pose of the layer's frame in the world.
     pub world_from_frame: Pose,
     /// Its content.
     pub shape: Shape,

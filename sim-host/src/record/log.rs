@@ -1,6 +1,6 @@
 //! Sink that prints lines to the terminal during a run: `[r1 2.350 s] text`, in the order of the record.
 //!
-//! Output of programs and hints are always shown, RoBIOS calls on request (`-v`).
+//! The log shows output of programs and hints; with `-v` it also shows RoBIOS calls, crashes and reasons of ends.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
@@ -16,7 +16,7 @@ use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 /// Selection of the lines to show.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
-    /// True to show calls, faults and reasons as well.
+    /// True to show calls, crashes and reasons of ends as well.
     pub is_verbose: bool,
     /// Patterns of the calls to show (`VW*`); all if empty.
     pub only: Vec<Pattern>,
@@ -37,7 +37,7 @@ impl Filter {
     }
 }
 
-/// A pattern of names: `*` matches any letters, `?` one letter; case is ignored.
+/// A pattern of names: `*` matches any sequence of characters, `?` one character; case is ignored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern(String);
 

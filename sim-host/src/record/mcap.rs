@@ -43,7 +43,7 @@ pub struct InitialContents {
     pub robots: Vec<Pose>,
     /// Starting poses of the scene's movable objects, in the order of the scene.
     pub objects: Vec<Pose>,
-    /// Source of images and scans.
+    /// Source of images, scans and layers.
     pub frames: Arc<Frames>,
 }
 

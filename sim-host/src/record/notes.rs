@@ -31,7 +31,7 @@ const METRIC: &str = "METRIC ";
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,
     hint_locations: HintLocations,
-    /// Remarks on lines that begin like a metric but are malformed.
+    /// Remarks on metrics that are not stored: malformed lines, and metrics beyond the maximum number.
     pub remarks: Vec<String>,
 }
 

@@ -1,5 +1,5 @@
-//! Tables as Apache Parquet: data analysis tools read typed columns from such files. Written in groups of rows, in
-//! bounded memory.
+//! Writer of tables as Apache Parquet files, whose typed columns data analysis tools can read. It writes groups of rows
+//! and needs bounded memory.
 
 use std::io::{self, Write};
 use std::mem;
@@ -198,7 +198,7 @@ impl Column {
         self.rows = rows;
     }
 
-    /// Adds a cell with a value.
+    /// Adds a cell with the definition level `level`.
     fn push_level(&mut self, level: i16) {
         self.levels.push(level);
         self.repeats.iter_mut().for_each(|repeats| repeats.push(0));
@@ -253,7 +253,7 @@ fn list(name: &str) -> Result<TypePtr> {
     Ok(Arc::new(lists.with_logical_type(Some(LogicalType::List)).build()?))
 }
 
-/// The error of the system in an error of the Parquet crate, or the latter.
+/// Returns the I/O error that an error of the Parquet crate contains; any other error is wrapped.
 pub(super) fn io_error(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(error) => error.downcast().map_or_else(io::Error::other, |error: Box<io::Error>| *error),

@@ -175,7 +175,7 @@ impl<R: BufRead> TraceReader<R> {
             return Err(no_trace(&reader, "its first line is not a `header`"));
         }
         let version = value["eyesim_version"].as_str().unwrap_or("?").to_owned();
-        // The first version was not written.
+        // A trace with the first version of digests does not state the version.
         let digest_version = value["digest_version"].as_u64().unwrap_or(1);
         match value["schema"].as_u64() {
             Some(schema) if schema == u64::from(TRACE_SCHEMA) => {}
@@ -254,7 +254,7 @@ impl<R: BufRead> TraceReader<R> {
     }
 }
 
-/// Contents of a trace that are needed to run the run again and to compare the outcome.
+/// Contents of a trace that are needed to repeat the run and to compare the outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     /// First line of the trace.

@@ -27,11 +27,11 @@ pub struct Report {
     pub argv: Vec<String>,
     /// Every file that was read.
     pub inputs: Vec<Input>,
-    /// The master seed.
+    /// Seed of the run.
     pub seed: u64,
     /// Length of a slot, us.
     pub slot_us: i64,
-    /// Simulated time at the end, s.
+    /// Virtual time at the end, s.
     #[serde(serialize_with = "finite")]
     pub sim_time_s: f64,
     /// Real time that the run took, s.
@@ -92,7 +92,7 @@ pub struct CheckReport {
     pub y_m: Option<f64>,
     /// The measured quantity; none for a check without one.
     pub value: Option<f64>,
-    /// Pairs of instant (s) and new value at which the metric of a swarm changed; none for other checks.
+    /// Instants (s) at which the metric of a swarm changed, each with the new value; none for other checks.
     pub series: Option<Vec<[f64; 2]>>,
     /// The result in words.
     pub message: String,
@@ -209,10 +209,10 @@ pub struct HintReport {
 /// A pose in the units of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PlanarPose {
-    /// World coordinate to the right, m.
+    /// World x, to the right, m.
     #[serde(serialize_with = "finite")]
     pub x_m: f64,
-    /// World coordinate upwards, m.
+    /// World y, to the top as seen from above, m.
     #[serde(serialize_with = "finite")]
     pub y_m: f64,
     /// Heading in [-pi, pi), counter-clockwise from x, rad.
@@ -268,7 +268,8 @@ impl Report {
 
 /// Replaces the file `path` atomically by one with these bytes.
 ///
-/// A file that is not regular, or in `/dev` (standard output may be a file), is appended to; a link is followed.
+/// If the file is not regular, or is in `/dev` (where standard output may be a regular file), the bytes are appended to
+/// it instead. A symbolic link is followed.
 ///
 /// # Errors
 /// The file cannot be written.

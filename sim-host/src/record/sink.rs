@@ -132,7 +132,7 @@ pub struct Sinks<'s> {
 }
 
 impl<'s> Sinks<'s> {
-    /// Sinks with a single element.
+    /// A collection that contains only `sink`.
     pub fn one(sink: impl Sink + 's) -> Self {
         Self::from_iter([Box::new(sink) as Box<dyn Sink + 's>])
     }
@@ -153,7 +153,7 @@ impl<'s> Sinks<'s> {
         let ended = self.take_slot(recorder, time);
         let digest = recorder.digest();
         let completed = ended.and_then(|()| self.finish(time, digest));
-        // A sink that could not be completed writes what it has taken.
+        // If a sink could not be completed, dropping it writes the records that it has taken.
         self.sinks.clear();
         (digest, completed)
     }

@@ -10,7 +10,7 @@ use sim_core::time::Time;
 
 use super::sink::{RecordError, Sink};
 
-/// Call of a [`Sink`]. Encoded by postcard; the events are in their canonical form.
+/// Call of a method of [`Sink`], which postcard encodes; the events are in their canonical form.
 #[derive(Serialize, Deserialize)]
 pub enum Stored<'a> {
     /// [`Sink::record`].

@@ -1,7 +1,7 @@
-//! Trace that a thread of its own writes to a file, while the run goes on.
+//! Trace that a separate thread writes to a file while the run continues.
 //!
 //! The run hands over its slots in batches through a bounded queue. If the writer is so far behind that the queue and a
-//! batch are full, the run waits: no record is dropped, and memory is bounded. Nothing of this influences the record.
+//! batch are full, the run waits: no record is dropped, and memory is bounded. The waits do not influence the record.
 
 use std::io;
 use std::mem;
@@ -24,7 +24,8 @@ use super::trace::{Trace, TraceHeader};
 pub(super) const PARQUET_ABSENT: &str =
     "this eyesim is built without Parquet (cargo's feature `parquet`): traces are NAME.jsonl";
 
-/// Bytes of a batch that the run does not keep any longer when the queue is full. Our choice, like the next constant.
+/// Size in bytes from which a batch is full: the run then waits for space in the queue. Our choice, like the next
+/// constant.
 const FULL_BATCH: usize = 1 << 20;
 
 /// Maximum number of batches in the queue.
@@ -36,7 +37,7 @@ static UNWRITTEN: AtomicUsize = AtomicUsize::new(0);
 /// Number of traces that wait for their last batches to be written.
 static DRAINING: AtomicUsize = AtomicUsize::new(0);
 
-/// A batch was written while a trace waited for it.
+/// True if a batch was written while a trace waited for its last batches.
 static HAS_DRAINED: AtomicBool = AtomicBool::new(false);
 
 /// Returns true if a trace waits for its last batches and a batch has been written since the last call.
@@ -50,10 +51,10 @@ pub fn is_all_written() -> bool {
     UNWRITTEN.load(Ordering::Acquire) == 0
 }
 
-/// Sink that writes a trace to a file on a thread of its own.
+/// Sink that writes a trace to a file on a separate thread.
 ///
-/// Dropped before [`Sink::finish`], it still writes what it has taken. An error of the writer is returned by one of the
-/// next calls.
+/// If the sink is dropped before [`Sink::finish`], it still writes the records that it has taken. An error of the writer
+/// is returned by a later call.
 pub struct TraceFile {
     path: PathBuf,
     kinds: KindSet,
@@ -119,7 +120,7 @@ impl TraceFile {
         call.append_to(&mut self.batch).map_err(|source| RecordError::write("trace", &self.path, source))
     }
 
-    /// Hands the batch over. If the queue is full, keeps the batch unless it is full, too, and else waits.
+    /// Hands the batch over. If the queue is full, keeps a batch that is not full, and waits with a full batch.
     fn hand_over(&mut self) -> Result<(), RecordError> {
         let Some(queue) = &self.queue else {
             // The error of the writer was returned by an earlier call.

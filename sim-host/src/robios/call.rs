@@ -42,7 +42,7 @@ impl Call {
         }
     }
 
-    /// The RoBIOS function with this number.
+    /// The RoBIOS function with this number; `None` if there is none.
     pub fn of_robios_number(number: u16) -> Option<Self> {
         let (number, robios6_count) = (usize::from(number), Robios6Call::ALL.len());
         match number.checked_sub(robios6_count) {

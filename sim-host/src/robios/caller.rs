@@ -72,7 +72,7 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Implements [`Caller::call`] without type parameters, so that it is compiled only once.
+    /// Implements [`Caller::call`] without its type parameters, so that all calls share the compiled code.
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
@@ -112,8 +112,8 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Implements [`Caller::wait`] without type parameters, so that it is compiled only once; if it `has_cost`, the
-    /// cost of `call` passes first.
+    /// Implements [`Caller::wait`] and [`Caller::wait_untimed`] without their type parameters, so that all calls share
+    /// the compiled code. If `has_cost`, the virtual time that `call` costs passes first.
     fn wait_polling(
         &self,
         call: Call,
@@ -156,9 +156,9 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Polls the condition that `call`, made at `site`, awaits since `since`. If it is not met, makes the task wait and
-    /// returns the time of the next poll. A separate function, so that a suspended robot has a small stack: each of its
-    /// cache lines is loaded again in each slot.
+    /// Polls the condition that `call`, made at `site`, has awaited since `since`. If the condition is not met, makes
+    /// the task wait and returns the time of the next poll. This function is separate so that the stack of a suspended
+    /// robot is small: the cache lines of the stack are loaded again in each slot.
     ///
     /// # Errors
     /// [`Stop`] if the task may not wait.
@@ -178,7 +178,7 @@ impl<F: Flow> Caller<F> {
         if robot.timers.in_callback {
             return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
         }
-        // Virtual time advances by at least 1 us: a condition whose time has passed would be polled forever.
+        // Virtual time advances by at least 1 us; otherwise a condition whose time has passed is polled forever.
         let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
         if !robot.tasks.current().is_unwinding() {
             robot.tasks.wait(now, Wait { call, reason, since, site: site.clone() }, wake);
@@ -358,8 +358,8 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Carries out the call of a function if it is forbidden: the call costs its time, fails and is recorded. Returns
-    /// false for any other function.
+    /// Refuses the call of a forbidden function: the call costs its time, fails and is recorded. Returns false for any
+    /// other function.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.

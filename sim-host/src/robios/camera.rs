@@ -1,5 +1,5 @@
-//! Camera functions that both generations share: the message for a missing image, and the numbers in which programs
-//! receive depths and labels.
+//! Camera functions that both generations share: they take images, convert depths and labels to the numbers of
+//! programs, and give the reason for a missing image.
 //!
 //! The camera itself is [`sim_core::device::camera`]; `camera6.rs` and `camera7.rs` pass its images to programs.
 //! Source: RoBIOS 6 and RoBIOS-7 library, camera.
@@ -25,7 +25,7 @@ use crate::scenery::LazyScenery;
 pub struct CameraOutput {
     /// Everything that cameras can see.
     pub scenery: Arc<LazyScenery>,
-    /// Destination of all images and scans that programs take, if the user wants them.
+    /// Destination of all images, scans and layers of programs, if the user wants them.
     pub frames: Option<Arc<Frames>>,
 }
 
@@ -152,7 +152,7 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 
 /// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
 pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
-    // Indices of the movable objects: the ids of movable objects number only these.
+    // The number of each movable object among all objects; an `ObjectId` counts only movable objects.
     let movable: Vec<usize> = (0..entity_numbers.objects.len())
         .filter(|index| matches!(entity_numbers.objects[*index], NumberedObject::Movable(_)))
         .collect();

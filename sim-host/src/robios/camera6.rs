@@ -1,8 +1,7 @@
 //! The camera of RoBIOS 6: images of 80 x 60, at the rate of the camera.
 //!
 //! It supports the settings of all cameras of the EyeBot: lens and levels of the QuickCam, frame rate of the EyeCam.
-//! Source: RoBIOS 6 library, camera; docs/robios6.md describes our choices where the sources are
-//! silent.
+//! Source: RoBIOS 6 library, camera; `docs/robios6.md` describes our choices where the source is silent.
 
 use robios_sys::robios6::{
     AUTOBRIGHTNESS, BayerFrame, ColImage, ColorFrame, FALSE, FPS0_46875, FPS60, IMAGE_COLUMNS, IMAGE_ROWS, INITERROR,
@@ -34,7 +33,7 @@ const FASTEST_PERIOD_60THS_US: i64 = 1_000_000;
 /// Camera settings of RoBIOS 6 beyond those in [`Setting`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// The frame rate: `FPS60` and the like; `None` if images are available at any time.
+    /// The frame rate, `FPS60` to `FPS0_46875`; `None` if images are available at any time.
     rate: Option<i32>,
     /// The last `CAMSet` set the frame rate.
     was_rate_set_last: bool,
@@ -82,7 +81,7 @@ pub fn colour_frame(robot: &mut Robot, world: &World, buffer: &mut Out<ColImage>
         if convert == FALSE {
             return Ok(bordered(&camera::take_colour(robot, world)?, [0; 3]));
         }
-        // A grey image at the start of the buffer, the part that the C library writes.
+        // The grey image is at the start of the buffer, the only part that the shim copies.
         let picture = camera::take_grey(robot, world)?;
         let grey = bordered(&picture, [0]);
         let mut buffer: ColImage = [[[0; 3]; IMAGE_COLUMNS]; IMAGE_ROWS];

@@ -13,7 +13,7 @@ use sim_core::record::Event;
 /// Columns of the part of an image that is shown.
 const SHOWN_COLUMNS: usize = 80;
 
-/// Maximum width and number of decimals of `LCDPutFloatS` and `LCDPutIntS`: more than the display holds.
+/// Maximum width and number of decimals of `LCDPutFloatS` and `LCDPutIntS`: all characters of the display.
 const MAX_FORMAT: i32 = 112;
 
 /// Writes text at the cursor.

@@ -58,7 +58,8 @@ pub trait Flow: Send + Sync + 'static {
     /// Marks that the calling flow returns to its program.
     fn leave(&self);
 
-    /// Hands the run token of the robot from the calling flow to the flow of task `task`, until it is handed back.
+    /// Hands the robot's run token from the calling flow to the flow of task `task`; returns when the calling flow has
+    /// the token again.
     fn switch(&self, task: u32);
 
     /// Starts the flow of task `task`, which runs `code` when its turn comes.

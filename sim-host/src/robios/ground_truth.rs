@@ -160,7 +160,8 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.entity_numbers.objects.len() as i32
 }
 
-/// Stores a pose and a height in metres: the height of a robot with legs or in the water, or of a floating object.
+/// Stores a pose and a height for a program, in mm and degrees. `height` is in metres; it is 0 except for a robot with
+/// legs or in the water, and for a floating object.
 fn store_pose(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
     let numbers = [x_mm, y_mm, heading_to_program(dialect, phi_degrees)];

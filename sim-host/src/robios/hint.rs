@@ -78,8 +78,8 @@ impl Hints {
         is_first
     }
 
-    /// Counts a turn; returns true if all turns so far are small and the third one follows a drive. Small turns without
-    /// drives between them are usually a scan or a correction of the heading.
+    /// Counts a turn; returns true if all turns so far are small and at least [`SMALL_TURNS`] of them follow a drive.
+    /// Small turns without drives between them are usually a scan or a correction of the heading.
     pub fn count_turn(&mut self, is_small: bool) -> bool {
         let turns = &mut self.turns;
         turns.has_large |= !is_small;

@@ -36,7 +36,7 @@ pub struct Input {
 
 /// Result of a read.
 pub enum Read {
-    /// The rest of a line, with its end.
+    /// The next bytes, up to and including the end of a line, if they fit.
     Bytes(Vec<u8>),
     /// The input is at its end.
     End,

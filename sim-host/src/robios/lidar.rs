@@ -53,8 +53,8 @@ pub fn scan6(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
     scan(robot, world, Call6::LIDARScan.into(), -1, distances).map_or_else(|failure| failure, |points| points as i32)
 }
 
-/// Takes a scan, truncated to the capacity of `distances`, and records it; returns the number of its points, or
-/// `failure`.
+/// Takes a scan, records it, and stores as many points as fit into `distances`; returns the number of points of the
+/// scan, or `failure`.
 fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances: &mut OutInts) -> Result<usize, i32> {
     let spec = Arc::clone(&robot.spec);
     let Some(lidar) = &spec.lidar else { return Err(robot.refuse_call(call, failure, no_scanner_reason)) };

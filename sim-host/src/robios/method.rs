@@ -1,6 +1,6 @@
 //! Macros that implement the calls of a generation, one line per function.
 //!
-//! Where they are used, `Call` must be the generation's list of calls.
+//! A file that uses the macros must import the generation's enum of calls as `Call`.
 
 /// Methods that act at the call's end: `fn Name(arguments) -> Result = |robot, world| effect;`.
 macro_rules! act {

@@ -93,7 +93,7 @@ pub struct Robios {
     pub table: Arc<table::Table>,
     /// Variables and clock of the system.
     pub os: os::Os,
-    /// The display.
+    /// The display of a program of RoBIOS 6.
     pub lcd: lcd::Lcd,
     /// The colour display; `None` for a program of RoBIOS 6.
     pub screen: Option<Box<Screen>>,
@@ -139,11 +139,11 @@ pub struct Robios {
     pub input: input::Input,
     /// EyeSim version whose conventions apply.
     pub dialect: Dialect,
-    /// Robots and objects of the scene.
+    /// Numbers of robots and objects for programs.
     pub entity_numbers: Arc<ground_truth::EntityNumbers>,
     /// Hints given for the program.
     pub hints: hint::Hints,
-    /// The program is in Rust: messages use the device names of its library.
+    /// The program is in Rust: messages use the device names of the Rust library.
     pub is_rust: bool,
 }
 
@@ -177,7 +177,7 @@ impl Robios {
         }
     }
 
-    /// Sets the robots and objects of the scene.
+    /// Sets the numbers of robots and objects.
     pub fn with_entity_numbers(self, entity_numbers: Arc<ground_truth::EntityNumbers>) -> Self {
         Self { entity_numbers, ..self }
     }
@@ -219,7 +219,7 @@ impl Robot {
         outcome.map_or_else(|error| self.refuse_call(call, failure, |_| error.to_string()), |()| 0)
     }
 
-    /// Handles a call without a result that does nothing: a hint gives the reason, once per function.
+    /// Counts a call that does nothing as a failure; a hint gives the reason, once per function.
     fn skip_call(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {

@@ -77,12 +77,12 @@ pub fn quad_read(robot: &mut Robot, handle: i32) -> i32 {
     count(robot, index)
 }
 
-/// Ticks of encoder `index` since its reset.
+/// Counts of encoder `index` since its reset.
 pub(super) fn count(robot: &mut Robot, index: usize) -> i32 {
     let simulation::Robot { now, motion, devices, .. } = &mut robot.state;
     let ticks = devices.encoders.count(index, motion, *now);
     record_ticks(robot, index, ticks);
-    // Counters of 32 bits wrap.
+    // The program's counter has 32 bits and wraps.
     ticks as i32
 }
 

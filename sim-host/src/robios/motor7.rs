@@ -37,8 +37,8 @@ pub fn speed(robot: &mut Robot, world: &World, motor: i32, ticks_per_s: i32) -> 
     robot.answer_call(Call::MOTORSpeed, 1, outcome)
 }
 
-/// `MOTORPID`: out = p/10 e + i/10 (integral of e) + d/1000 (derivative of the wheel's rate), in rates of the wheel and
-/// seconds. The scale is our choice.
+/// `MOTORPID`: out = p/10 e + i/10 (integral of e) - d/1000 (derivative of the wheel's rate), where e is the error of
+/// the wheel's rate and time is in seconds. The scale is our choice.
 pub fn start_control(robot: &mut Robot, motor: i32, [p, i, d]: [i32; 3]) -> i32 {
     let Some(wheel) = find(robot, Call::MOTORPID, motor) else { return 1 };
     if [p, i, d].iter().any(|factor| !(0..=255).contains(factor)) {

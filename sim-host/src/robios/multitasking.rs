@@ -17,7 +17,7 @@ use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
 use crate::program::site::Site;
 
-/// Maximum stack that a task may request, in bytes; each task gets twice as much.
+/// Maximum stack that a task may request, in bytes; the stack of each task is twice as large as this maximum.
 const MAX_STACK: i32 = 4 << 20;
 
 /// Maximum length of the name of a task, in characters; the rest is cut.

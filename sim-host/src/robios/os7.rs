@@ -26,7 +26,7 @@ pub const MACHINE_SPEED: i32 = 700_000_000;
 /// Wall-clock time that a command of `OSExecute` may take; our choice.
 const EXECUTE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Whole milliseconds, in 32 bits that wrap after 49 days.
+/// Whole milliseconds, in 32 bits that wrap after 24 days.
 pub fn milliseconds(time: Time) -> i32 {
     (time.0 / MILLISECOND.0) as i32
 }

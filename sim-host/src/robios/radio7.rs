@@ -10,7 +10,7 @@ use super::caller::Poll;
 use super::robot::Robot;
 use super::{os7, radio};
 
-/// Maximum length of a text in bytes, without the final 0 that fills the buffer.
+/// Maximum length of a text in bytes, without the final 0, which takes one byte of the buffer.
 const MAX_TEXT: usize = BUFFER_BYTES - 1;
 
 /// Return value of a call that fails.
@@ -40,8 +40,7 @@ pub fn send(robot: &mut Robot, world: &World, id: i32, text: Option<&[u8]>) -> i
     radio::send(robot, world, Call::RADIOSend, id.unsigned_abs(), payload)
 }
 
-/// `RADIOReceive`: cuts a text at the first 0 received, and to the capacity of the buffer less one byte for the final
-/// 0.
+/// `RADIOReceive`: ends the text at the first 0 received, and truncates it so that the final 0 fits into the buffer.
 pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Poll<i32> {
     if text.capacity() == 0 {
         return Poll::Ready(

@@ -117,7 +117,7 @@ pub enum Ending {
         /// Its exit code; 0 is success.
         code: i32,
     },
-    /// The program was aborted: by a panic, by `abort`, or by a call that the simulator refuses.
+    /// The program failed, for example by a panic, `abort`, `OSPanic`, or a call that the simulator refuses.
     Failed {
         /// The reason, as shown to the user.
         reason: String,
@@ -143,8 +143,8 @@ impl Robot {
         robot
     }
 
-    /// Records a hint to the user about a likely mistake that the call in progress has revealed. A hint outside of
-    /// calls is recorded only in the [`state`](Self::state).
+    /// Records a hint to the user about a likely mistake that the call in progress has revealed. For a hint outside of
+    /// calls, use the method `hint` of [`state`](Self::state).
     pub fn hint(&mut self, text: &str) {
         self.state.hint(text);
         self.new_hints.push(text.to_owned());
@@ -187,7 +187,7 @@ impl Wait {
 }
 
 impl WaitReason {
-    /// Returns true if only another task of the robot can end the wait.
+    /// Returns true if the task waits for an action of another task of the robot.
     pub fn is_for_task(&self) -> bool {
         matches!(self, Self::Task(_) | Self::Semaphore(_) | Self::Ready)
     }

@@ -164,7 +164,7 @@ impl OpenInterface {
         self.opened_at + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
     }
 
-    /// Number of bytes, of `count` bytes of a device, that have arrived by `now`.
+    /// Number of bytes of a device, at most `count`, that have arrived by `now`.
     fn arrived_count(&self, now: Time, count: usize) -> usize {
         let bits = i128::from((now - self.opened_at).0) * i128::from(self.baud);
         usize::try_from(bits.div_euclid(i128::from(BYTE_US_BAUD))).unwrap_or_default().min(count)
@@ -251,7 +251,7 @@ fn take(robot: &mut Robot, number: i32, max_count: usize) -> Vec<u8> {
     data
 }
 
-/// `SERReceive`: returns the received bytes and a final 0.
+/// `SERReceive`: stores the received bytes and a final 0; returns the number of received bytes.
 pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() || robot.robios.serial.name_if_open(number).is_none() {
         return robot.fail_call(Robios7Call::SERReceive, 0);

@@ -1,4 +1,4 @@
-//! Servos of RoBIOS 6; the steering servo of an Ackermann drive steers.
+//! Servos of RoBIOS 6, including the steering servo of an Ackermann drive.
 //!
 //! Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
@@ -13,7 +13,8 @@ use super::robot::Robot;
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
     handles: Handles,
-    /// For each servo, its positions for 0 and 255 of RoBIOS-7; servos beyond the end of the list have the whole range.
+    /// For each servo, its raw positions for 0 and 255 in `SERVOSet` of RoBIOS-7; servos beyond the end of the list
+    /// have the whole range.
     ranges: Vec<[u8; 2]>,
 }
 
@@ -21,12 +22,12 @@ pub struct Servos {
 const WHOLE_RANGE: [u8; 2] = [0, 255];
 
 impl Servos {
-    /// The servo's positions for 0 and 255 of RoBIOS-7.
+    /// The servo's raw positions for 0 and 255 in `SERVOSet` of RoBIOS-7.
     pub fn range(&self, index: usize) -> [u8; 2] {
         self.ranges.get(index).copied().unwrap_or(WHOLE_RANGE)
     }
 
-    /// Sets the servo's positions for 0 and 255 of RoBIOS-7.
+    /// Sets the servo's raw positions for 0 and 255 in `SERVOSet` of RoBIOS-7.
     pub fn set_range(&mut self, index: usize, range: [u8; 2]) {
         self.ranges.resize(self.ranges.len().max(index + 1), WHOLE_RANGE);
         self.ranges[index] = range;

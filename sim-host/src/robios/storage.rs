@@ -1,4 +1,4 @@
-//! Files of a robot that its RoBIOS calls read and write outside the simulation.
+//! Files outside the simulation that the RoBIOS calls of a robot read and write.
 //!
 //! A name is relative to the working folder of the run; a file that does not exist there is searched for in the folder
 //! of the scene. A robot sees its own writes immediately; other robots see them from the next slot on, in the order
@@ -105,10 +105,11 @@ impl Storage {
         read_file(&path)
     }
 
-    /// Stores a file, which is written in the working folder when the slot ends.
+    /// Stores a file, which is written in the working folder when the slot ends; in a sandbox it stays in memory.
     ///
     /// # Errors
-    /// If the parent folder does not exist, or a folder has this name.
+    /// If the parent folder does not exist, or a folder has this name. In a sandbox: if the path is absolute, contains
+    /// `..` or has no file name, or if the files exceed `MAX_WRITTEN`.
     pub fn write(&mut self, now: Time, name: &[u8], bytes: Vec<u8>) -> io::Result<()> {
         let path = path_of(name);
         if let Some(confined) = &mut self.confined {

@@ -47,7 +47,7 @@ impl Timers {
         self.list.len() < old_count
     }
 
-    /// True without timers.
+    /// Returns true if no timer is attached.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

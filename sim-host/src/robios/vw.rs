@@ -246,8 +246,8 @@ pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
     if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
-/// Starts a drive that takes |`seconds`|: the sign, which is the speed's, is ignored. `wait_function` is the name of
-/// the function that waits for its end.
+/// Starts a drive that takes |`seconds`|: the sign of `seconds` is ignored. `wait_function` is the name of the function
+/// that waits for the drive's end.
 pub(super) fn start_drive(
     robot: &mut Robot,
     world: &World,

@@ -114,7 +114,7 @@ pub fn wait(robot: &mut Robot) -> Poll<i32> {
     vw::wait_for_drive(robot)
 }
 
-/// `VWStalled`: 1 for the left wheels, 2 for the right wheels, 3 for all.
+/// `VWStalled`: 1 for the left wheels, 2 for the right wheels, 3 for both sides.
 pub fn stalled(robot: &mut Robot) -> i32 {
     let [front_left, front_right, back_left, back_right] = robot.state.motion.stalled_wheels(robot.state.now);
     i32::from(front_left || back_left) + 2 * i32::from(front_right || back_right)

@@ -275,7 +275,7 @@ impl Type {
     }
 }
 
-/// Encodes the message type `message`.
+/// Encodes `value` as a message of type `message`.
 pub(super) fn encode(message: &str, value: &Value) -> Vec<u8> {
     let mut out = Vec::new();
     for field in fields(message) {
@@ -376,7 +376,7 @@ fn enumeration(name: &str, values: &[&str]) -> Vec<u8> {
     out
 }
 
-/// Decodes the message type `message` into JSON values, without absent fields.
+/// Decodes a message of type `message` into JSON values; absent fields are omitted, except that lists are empty.
 ///
 /// # Panics
 /// If the bytes do not encode such a message.

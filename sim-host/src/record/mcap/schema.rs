@@ -100,8 +100,8 @@ impl Content {
         matches!(self, Scene | Transforms | Scan | Image | Grid | Points | Log)
     }
 
-    /// JSON schema of one of eyesim's own messages. Its messages are lines of the trace (`docs/trace.md`), whose fields
-    /// depend on the event.
+    /// JSON schema of one of eyesim's own message types. The messages are lines of the trace (`docs/trace.md`), whose
+    /// fields depend on the event.
     pub fn schema(self) -> Value {
         let kinds: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| Self::of(*kind) == Some(self)).collect();
         let mut properties = Map::new();
