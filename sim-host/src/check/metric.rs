@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use super::Verdict;
 
-/// Judges the number at `path` of `report`. It must be within `limits`; with `partial`, its points are interpolated
-/// between the value for all points and the value for none.
+/// Judges the number at `path` of `report`: it must be within `limits`. With `partial`, the limits are ignored; the
+/// fraction of the points is interpolated between the number for all points and the number for none.
 pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partial: Option<(f64, f64)>) -> Verdict {
     let number = match find(report, path).and_then(|value| number(value, path)) {
         Ok(number) => number,

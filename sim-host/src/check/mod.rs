@@ -124,7 +124,7 @@ pub enum Progress {
     Failed,
 }
 
-/// A check during a run.
+/// State of a check during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
     /// The verdict so far.

@@ -27,7 +27,7 @@ pub(super) struct Count {
     pub position: Option<[f64; 2]>,
     /// Robot of that event.
     pub robot: Option<RobotId>,
-    /// Obstacle of a contact.
+    /// Obstacle of that event, if it is a contact.
     pub obstacle: Option<Obstacle>,
     /// Search in the lines of a program.
     pub search: Option<Search>,

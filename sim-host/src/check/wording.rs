@@ -22,7 +22,7 @@ fn seconds(seconds: f64) -> String {
 /// `230.1 mm`, or `230 mm` without a decimal for whole millimetres.
 fn mm(metres: f64) -> String {
     let rounded = (unit::mm_from_metres(metres) * 10.0).round() / 10.0;
-    // No minus sign before a value rounded to zero.
+    // A value rounded to zero gets no minus sign.
     format!("{} mm", if rounded == 0.0 { 0.0 } else { rounded })
 }
 

@@ -65,7 +65,7 @@ impl BuiltScene {
         lines
     }
 
-    /// Returns true if all programs run on fibers, where eyesim handles their faults.
+    /// Returns true if all programs run on fibers, where eyesim handles their crashes.
     pub fn uses_only_fibers(&self) -> bool {
         self.programs.iter().all(|program| execution_of(program, self.options.exec).0 == ExecutionKind::Fiber)
     }

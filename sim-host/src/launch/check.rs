@@ -153,8 +153,8 @@ fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
     })
 }
 
-/// Diagnostics for programs that the files of a scene name and that are not found, each once, in the order of the
-/// robots.
+/// Diagnostics for programs that the files of a scene name and that are not found, or whose generation cannot be
+/// chosen; each program once, in the order of the robots.
 pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
     let mut known_programs: BTreeSet<&str> = BTreeSet::new();
     let mut missing = Vec::new();

@@ -45,7 +45,7 @@ pub enum Error {
     /// An option does not fit the scene.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// A folder that the run needs is missing.
+    /// A folder that the run needs is missing or cannot be used.
     #[error("no {purpose}: {error}")]
     Folder {
         /// Purpose of the folder.

@@ -61,7 +61,7 @@ pub struct Options {
     pub arguments: Vec<String>,
     /// File with the costs of RoBIOS calls, instead of the scene's.
     pub costs: Option<PathBuf>,
-    /// Functions that fail for all programs, in addition to the scene's: names, in which `*` matches any letters.
+    /// Functions that fail for all programs, in addition to the scene's: names, in which `*` matches any characters.
     pub forbid: Vec<String>,
     /// Noise profile of all robots, instead of the scene's: a preset's name or a file.
     pub noise: Option<String>,
@@ -83,7 +83,7 @@ pub struct Options {
     pub strict: bool,
     /// Folder for the images that programs take, as PNG.
     pub frames: Option<PathBuf>,
-    /// True to keep the images that programs take, so that a recording can contain them.
+    /// True to keep the images, scans and layers of programs, so that a recording can contain them.
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
     pub debug: Option<DebugTarget>,

@@ -52,7 +52,7 @@ pub struct Ready {
 /// Callback for mistakes in the meshes and images that cameras need, with the files to which the diagnostics refer.
 pub type ReportDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
 
-/// Observers of a run other than its owner, and its interrupt.
+/// Observers of a run, besides the run's owner, and the interrupt of the run.
 #[derive(Default)]
 pub struct Observers {
     /// Receive the record, in this order.
@@ -81,7 +81,7 @@ impl Ready {
         &self.scenery
     }
 
-    /// Sink of the images that the programs will take, if requested.
+    /// Destination of the images, scans and layers of the programs, if requested.
     pub fn frames(&self) -> Option<&Arc<Frames>> {
         self.frames.as_ref()
     }
@@ -187,7 +187,7 @@ impl Ready {
     }
 }
 
-/// Turns on the recording of the calls that checks count.
+/// Turns on the recording of calls for the robots whose calls are counted by checks.
 fn record_calls(tally: &Tally, scheduler: &Scheduler) {
     let run = scheduler.run();
     let robots = (0..run.robot_count()).map(RobotId::from_index);

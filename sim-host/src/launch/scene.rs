@@ -32,7 +32,8 @@ impl Scene {
     /// files are in [`Scene::diagnostics`].
     ///
     /// # Errors
-    /// [`Error::NotAScene`]; [`Error::Option`] for an unknown noise profile.
+    /// [`Error::NotAScene`]; [`Error::Option`] for an unknown noise profile, the cell size of a maze without a maze
+    /// file, or a suite of checks that cannot be read.
     pub fn open(path: impl AsRef<Path>, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         expect_scene(path)?;
@@ -43,7 +44,7 @@ impl Scene {
     /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors
-    /// [`Error::Option`] for an unknown noise profile.
+    /// [`Error::Option`] as for [`Scene::open`].
     pub fn from_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path, DiskFiles::of_environment().with_text(path, text), options)

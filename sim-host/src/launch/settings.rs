@@ -29,7 +29,7 @@ pub struct Settings {
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
-    /// Simulated time at which the run ends.
+    /// Virtual time at which the run ends.
     pub until: Time,
     /// True if neither the scene nor the options set `until`.
     pub is_until_default: bool,
@@ -51,7 +51,8 @@ impl Settings {
     /// Computes the settings of a run of `scene`, and assigns the programs and arguments of `options` to its robots.
     ///
     /// # Errors
-    /// A robot does not exist; keys, arguments or costs cannot be read; or no robot needs a program of the options.
+    /// A robot or a forbidden function does not exist; keys, arguments, costs or standard input cannot be read; or the
+    /// programs of the options do not fit the robots.
     pub fn new(options: &Options, scene: &mut SceneSpec) -> Result<Self, OptionError> {
         let mut keys = Vec::new();
         for script in &options.keys {
@@ -146,7 +147,8 @@ impl ProgramOption {
         Self { program: program.to_owned(), ..self.clone() }
     }
 
-    /// Returns true if the text that selects the robots is the same in both options.
+    /// Returns true if both options select robots by the same number or name, or both select the robots without a
+    /// program.
     pub fn selects_same_robots(&self, other: &Self) -> bool {
         self.selector == other.selector
     }
@@ -168,7 +170,7 @@ impl std::fmt::Display for ProgramOption {
 /// over one with the name of a program, and an option with the name of a program over one with the name of a type.
 ///
 /// # Errors
-/// An option matches no robot.
+/// An option matches no robot, or two options of equal precedence match one robot.
 pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Result<(), OptionError> {
     let mut by_robot: BTreeMap<usize, (Precedence, &str)> = BTreeMap::new();
     for option in options {
@@ -361,8 +363,8 @@ fn read_costs(path: &Path) -> Result<(Costs, Option<InputFile>), OptionError> {
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
-/// The text of a file, or of this process's standard input for `-`, read to its end, and the file; for `typed` the
-/// lines that the user types.
+/// Standard input of the programs for the option `path`: the lines that the user types for `typed`, this process's
+/// standard input, read to its end, for `-`, and otherwise the text of the file, which is returned too.
 fn read_stdin(path: &Path) -> Result<(Source, Option<InputFile>), OptionError> {
     if path.as_os_str() == TYPED {
         return Ok((Source::Typed, None));

@@ -1,7 +1,7 @@
 //! The trace: one JSON object per line, streamed during the run. `docs/trace.md` describes its schema.
 //!
-//! The lines of a slot are written at the end of the slot. The lines of a compressed trace are written at the end of the
-//! slot in which they fill a frame. There is no fsync: a power failure may lose the last seconds.
+//! The lines of a slot are written at the end of the slot. The lines of a compressed trace are written at the end of
+//! the slot in which they fill a frame. There is no fsync: a power failure may lose the last seconds.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};

@@ -53,8 +53,8 @@ pub fn is_all_written() -> bool {
 
 /// Sink that writes a trace to a file on a separate thread.
 ///
-/// If the sink is dropped before [`Sink::finish`], it still writes the records that it has taken. An error of the writer
-/// is returned by a later call.
+/// If the sink is dropped before [`Sink::finish`], it still writes the records that it has taken. A later call returns
+/// an error of the writer.
 pub struct TraceFile {
     path: PathBuf,
     kinds: KindSet,

@@ -13,7 +13,7 @@ use sim_core::time::Time;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
-/// Initial deviation of a trail from the recorded positions, in metres.
+/// Initial tolerance of a trail, in metres.
 const TOLERANCE: f64 = 1e-3;
 
 /// Maximum number of points of a trail; a longer trail is simplified again, with twice the tolerance.
@@ -82,8 +82,9 @@ impl Trail {
 
     /// Maximum distance of the polyline from a pushed position, in metres.
     pub fn deviation(&self) -> f64 {
-        // Each thinning adds its tolerance to those before, a geometric series. A point beyond the end of a
-        // segment may deviate by one tolerance along it and one across it.
+        // Each simplification adds its tolerance to the earlier ones; the sum of this geometric series is less than
+        // twice the last tolerance. A point beyond the end of a segment may deviate by one tolerance along the segment
+        // and one across it.
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
@@ -114,7 +115,7 @@ impl Trail {
         Ok(Some(Sector { angles, max_distance: sector.max_distance.max(distance), ..sector }))
     }
 
-    /// Doubles the tolerance until at most three quarters of the points are left.
+    /// Doubles the tolerance until the number of corners is at most three quarters of `MAX_POINTS`.
     fn simplify(&mut self) {
         while self.corners.len() > MAX_POINTS / 4 * 3 {
             let mut simplified = Self::with_tolerance(self.corners[0], 2.0 * self.tolerance);

@@ -173,13 +173,13 @@ pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers
     labels.pixels().iter().map(number).collect()
 }
 
-/// Records depths or labels of the last image and passes them to the image sink, if there is one.
+/// Records depths or labels of the last image and passes them to the destination of images, if there is one.
 fn record_and_publish(robot: &mut Robot, size: [u32; 2], pixels: Pixels<'_>) {
     robot.record_frame(pixels.form(), size, &pixels.bytes());
     publish(robot, size, pixels);
 }
 
-/// Passes the last image, or its depths or labels, to the image sink, if there is one.
+/// Passes the last image, or its depths or labels, to the destination of images, if there is one.
 fn publish(robot: &Robot, size: [u32; 2], pixels: Pixels<'_>) {
     if let (Some(frames), Some(exposure)) = (&robot.robios.camera_output.frames, robot.devices.camera.last()) {
         let Exposure { number, at, .. } = *exposure;
