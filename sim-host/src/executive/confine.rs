@@ -2,10 +2,11 @@
 //! end, replace or trace the whole process. In a process of its own, they are the calls that send signals to the host
 //! or trace it.
 //!
-//! A filter turns such a call into a crash of the thread (SIGSYS), which is reported like any other crash. All threads
-//! of programs get the filter, since the imports of a program do not show its assembly code. The kernel caches the set
-//! of allowed calls, so an allowed call costs next to nothing. While programs run on its threads, the host ends the
-//! process only through [`exit_at_once`].
+//! On a thread of the host, the filter turns such a call into a crash (SIGSYS), which is reported like any other crash;
+//! in a process of its own, the call fails with `EPERM`. All threads of programs get a filter, since the imports of a
+//! program do not show the system calls of its assembly code. The kernel caches the set of allowed calls, so an allowed
+//! call costs almost no time. While programs run on its threads, the host ends the process only through
+//! [`exit_at_once`].
 
 use std::cell::Cell;
 
@@ -25,7 +26,8 @@ const ARCHITECTURE: u32 = 0xC000_003E;
 #[cfg(target_arch = "aarch64")]
 const ARCHITECTURE: u32 = 0xC000_00B7;
 
-/// The system calls that are refused in a program's own process if their first argument, a process id, is the host's.
+/// The system calls that are refused in a program's own process if their first argument, a process id, is that of the
+/// host, of its group or of all processes.
 const HOST_CALLS: [libc::c_long; 7] = [
     libc::SYS_kill,
     libc::SYS_tgkill,
@@ -73,9 +75,9 @@ fn install(filter: &mut [sock_filter]) {
     }
 }
 
-/// Makes the kernel refuse (`EPERM`) signals of this process to the process `host`, to its group and to all processes,
-/// and also any tracing, since a stopped host could report nothing. A program's own process calls this before it loads
-/// the program. Async-signal-safe.
+/// Makes the kernel refuse (`EPERM`) the [`HOST_CALLS`] of this process to the process `host`, to its group and to all
+/// processes, and also every `tkill` and `ptrace`, since a stopped host could report nothing. A program's own process
+/// calls this function before it loads the program. Async-signal-safe.
 pub fn protect_host(host: i32) {
     /// Number of instructions other than those for [`HOST_CALLS`].
     const OTHER_INSTRUCTIONS: usize = 12;
@@ -102,8 +104,8 @@ pub fn protect_host(host: i32) {
     install(&mut filter[..]);
 }
 
-/// Turns the system calls that end or replace the process into crashes of the calling thread and of all threads that it
-/// starts. Does nothing if the kernel does not support such filters.
+/// Turns the system calls that end, replace or trace the process into crashes, for the calling thread and all threads
+/// that it starts. Does nothing if the kernel does not support such filters.
 pub fn confine_thread() {
     thread_local! {
         /// True once the thread has its filter; a second filter would only cost time.

@@ -207,7 +207,7 @@ pub struct Plan {
     pub bound_workers: Vec<Option<u32>>,
     /// Number of workers: robots that may run at one time.
     pub workers: usize,
-    /// Simulated time at which the run ends.
+    /// Virtual time at which the run ends.
     pub until: Time,
 }
 
@@ -374,7 +374,7 @@ impl Dispatcher {
         self.departed[robot.index()]
     }
 
-    /// Simulated time at the end of the run: the end of the last slot, or the user's time limit if it ended the run.
+    /// Virtual time at the end of the run: the end of the last slot, or the limit if the run ended at the limit.
     pub fn time(&self, world: &World) -> Time {
         match self.end {
             Some(EndReason::Until) => world.slot_start().max(self.limit),
@@ -618,7 +618,8 @@ impl Dispatcher {
         self.sinks.take_slot(environment.recorder(), at)
     }
 
-    /// Start of the next slot in which a body moves or a robot is due; `None` if nothing happens any more.
+    /// Start of the next slot in which a body moves, a robot is due, a message arrives or an intervention is pending;
+    /// `None` if nothing happens any more.
     fn next_start(&mut self, environment: &Environment) -> Option<Time> {
         let world = &environment.world;
         // The world is already at the slot after the finished one.

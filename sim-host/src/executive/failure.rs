@@ -10,7 +10,7 @@ use crate::robios::robot::Ending;
 pub struct Failure {
     /// Description of the failure, without the location: `null pointer used (segmentation fault at address 0x0)`.
     pub description: String,
-    /// True if the watchdog stopped the flow, false if the program crashed.
+    /// True if the watchdog stopped the flow; false for a crash or an illegal end.
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,

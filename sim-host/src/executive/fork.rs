@@ -161,8 +161,8 @@ pub fn readable(streams: &[&UnixStream], timeout: Duration) -> io::Result<Vec<us
     Ok(polled.iter().enumerate().filter(|(_, polled)| polled.revents != 0).map(|(index, _)| index).collect())
 }
 
-/// Limits the memory that this process may allocate in addition to its present memory to `additional` bytes; processes
-/// that it starts inherit the limit.
+/// Limits the memory that this process may allocate, beyond its present memory, to `additional` bytes; processes that
+/// it starts inherit the limit.
 ///
 /// # Errors
 /// The kernel refuses.

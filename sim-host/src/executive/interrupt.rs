@@ -28,7 +28,7 @@ impl Interrupt {
     }
 }
 
-/// Interrupt set by Ctrl-C and SIGTERM.
+/// Interrupt that the signals of [`interrupts`] set.
 static PROCESS_INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
 /// Ctrl-C is for a debugger and is ignored here.
@@ -43,9 +43,9 @@ pub fn ignore_file_limit() -> io::Result<()> {
     unsafe { change_action(libc::SIGXFSZ, Some(&action(libc::SIG_IGN, 0))) }.map(drop)
 }
 
-/// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C and SIGTERM
-/// set; they also kill the compilers. The second such signal ends the process. A crash in a thread that a robot program
-/// started by itself ends the process with a message.
+/// Installs the handlers of a binary, before its first build and run, and returns the interrupt that Ctrl-C, SIGTERM
+/// and SIGHUP set; these signals also kill the compilers. The second such signal ends the process. A crash in a thread
+/// that a robot program started by itself ends the process with a message.
 ///
 /// # Errors
 /// The kernel refuses a handler, or a run has already installed its own, which these would replace.
@@ -78,14 +78,14 @@ pub fn of_process() -> io::Result<Interrupt> {
     Ok(interrupt)
 }
 
-/// The signals that interrupt the runs of a binary: Ctrl-C, a request to end, and the end of the terminal, unless
-/// `nohup` ignores that.
+/// The signals that interrupt the runs of a binary: Ctrl-C (SIGINT), SIGTERM, and SIGHUP at the end of the terminal,
+/// unless the process was started with SIGHUP ignored (`nohup`).
 fn interrupts() -> impl Iterator<Item = i32> {
     let hangup = (!IS_HANGUP_IGNORED.load(Ordering::Acquire)).then_some(libc::SIGHUP);
     [libc::SIGINT, libc::SIGTERM].into_iter().chain(hangup)
 }
 
-/// The process was started with the end of the terminal ignored.
+/// The process was started with SIGHUP ignored.
 static IS_HANGUP_IGNORED: AtomicBool = AtomicBool::new(false);
 
 /// [`of_process`] has installed its handlers.
@@ -227,7 +227,7 @@ extern "C" fn on_interrupt(signal: i32) {
     command::interrupt();
     let is_second = PROCESS_INTERRUPT.get().is_some_and(Interrupt::set);
     if is_second || [&IS_OUTSIDE_OF_RUN, &IS_ENDING].iter().any(|flag| flag.load(Ordering::Acquire)) {
-        // At the second Ctrl-C, or once all files are closed, there is nothing to wait for.
+        // At the second signal, outside of a run, or when the command is done, the process does not wait for a slot's end.
         exit_after_writing(130);
     }
 }

@@ -1,8 +1,8 @@
 //! Interventions in a run, carried out at the start of a slot while no robot runs: their effects on the simulation
 //! ([`sim_core::simulation::Intervention`]), on programs and on tasks.
 //!
-//! Everything that can fail happens during validation: the program of a spawned robot is loaded and its flow started,
-//! suspended. Carrying out a validated action cannot fail.
+//! Everything that can fail happens during validation: the program of a spawned robot is loaded, and its flow is
+//! created, suspended. Carrying out a validated action cannot fail.
 
 use sim_core::RobotId;
 use sim_core::record::Action;
@@ -49,7 +49,7 @@ impl Robots for Members<'_> {
     }
 }
 
-/// Validates `action` for the start of the slot at `at`; for a spawned robot, loads its program and starts its flow.
+/// Validates `action` for the start of the slot at `at`; for a spawned robot, loads its program and creates its flow.
 ///
 /// # Errors
 /// [`Refusal`] if the action names something unknown or is invalid, or if its program cannot be loaded; nothing changes

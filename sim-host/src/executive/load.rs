@@ -236,7 +236,7 @@ impl Loading {
     }
 }
 
-/// Error for a program in a language that gdb does not support.
+/// Error for a program that gdb cannot debug; `what` is the reason.
 fn debug_error(program: &Prepared, what: &str) -> LoadError {
     let what = format!("gdb debugs programs in C, C++ and Rust, and this one {what}");
     LoadError::Incompatible { path: program.source.path().to_owned(), what }

@@ -87,7 +87,8 @@ pub trait Executor: Send + Sync {
     /// resumption.
     fn continue_running(&self, robot: RobotId);
 
-    /// Hands the run token of `robot` from the calling flow to the flow of task `task`; returns when it is handed back.
+    /// Hands the run token of `robot` from the calling flow to the flow of task `task`; returns when the calling flow
+    /// has the token again.
     fn switch(&self, robot: RobotId, task: u32);
 
     /// Number of threads on which [`Executor::run_loop`] runs a loop, the calling one included.
