@@ -63,7 +63,8 @@ impl RobotProgram {
     /// called again before it returns.
     ///
     /// # Errors
-    /// [`Failure`] if the process of the program failed. A program in this process breaks with its thread instead.
+    /// [`Failure`] if the process of the program failed, or if an embedded program was overdue. If another program in
+    /// this process fails, its flow fails, and this function does not return.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Failure> {
         match self {
             Self::InHost { program, .. } => {

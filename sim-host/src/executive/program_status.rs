@@ -70,7 +70,7 @@ pub struct FailureReport {
 pub struct RunEnd<'a> {
     /// Reason for the end of the run.
     pub end: &'a EndReason,
-    /// Simulated time at its end.
+    /// Virtual time at the end of the run.
     pub time: Time,
     /// Number of robots.
     pub robots: usize,

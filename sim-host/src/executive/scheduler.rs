@@ -112,7 +112,7 @@ pub struct RunParts {
 pub struct Limits {
     /// Number of workers: robots that may run at the same time.
     pub workers: usize,
-    /// Simulated time at which the run ends.
+    /// Virtual time at which the run ends.
     pub until: Time,
     /// Processor time in seconds that a program may use within one slot.
     pub timeout: f64,
@@ -126,7 +126,7 @@ pub struct Limits {
 pub struct Ended {
     /// Reason for the end.
     pub end: EndReason,
-    /// Simulated time at the end.
+    /// Virtual time at the end.
     pub time: Time,
     /// Wall-clock time that the run took.
     pub real_time: Duration,
@@ -348,7 +348,7 @@ impl Scheduler {
             if !self.failures.is_empty() {
                 interrupt::arm_last_resort();
             }
-            // Flows rarely break, and a check of all flows takes time.
+            // Flows rarely fail, and a check of all flows takes time.
             if self.run.notifier().take_failure() {
                 for (id, failure) in self.run.executor().failures() {
                     self.handle_failure(id, failure, deadline);

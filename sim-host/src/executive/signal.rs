@@ -1,9 +1,10 @@
 //! Signal handlers that catch the crashes of robot programs.
 //!
-//! A crash of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack
-//! and written into the thread's [`FlowBlock`], and the thread is parked permanently: no code of the program runs on it
-//! again. The supervisor handles the rest. The handler calls only `write` and `pause`, and touches only memory
-//! allocated before.
+//! A crash of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS) is caught on the thread's alternate
+//! stack and written into the [`FlowBlock`] of the flow. Then the thread is parked permanently or, for a fiber, leaves
+//! the fiber: no code of the program runs on the flow again. The supervisor handles the rest. In a robot's own process,
+//! the crash is reported to the host instead. The handler calls only functions that are async-signal-safe, and touches
+//! only memory allocated before.
 //!
 //! [`Handlers`] are installed while any flow of any run lives. A crash in a thread that is not a robot's flow is passed
 //! to the previous handler.
@@ -34,8 +35,8 @@ pub struct FlowBlock {
     pub caller_sp: AtomicUsize,
     /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
-    /// Id of the RoBIOS call in progress or, in the program's own code, of the last call; `u16::MAX` before the first
-    /// call.
+    /// Number of the RoBIOS call in progress or, in the program's own code, of the last call; `u16::MAX` before the
+    /// first call.
     pub last_call: AtomicU16,
     /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
@@ -210,7 +211,7 @@ impl FlowBlock {
         self.passes_faults_to_process.store(true, Ordering::Relaxed);
     }
 
-    /// The crash that parked this thread.
+    /// The published crash of this flow; `None` before a crash.
     pub fn crash(&self) -> Option<Crash> {
         self.has_crashed.load(Ordering::Acquire).then(|| Crash {
             signal: self.crash_signal.load(Ordering::Relaxed),

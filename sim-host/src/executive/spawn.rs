@@ -50,7 +50,7 @@ pub struct RobotOptions {
     pub is_verbose: bool,
     /// Scenery for the cameras.
     pub scenery: Arc<LazyScenery>,
-    /// Sink of the images that programs take, if the user has requested it.
+    /// Destination of the images, scans and layers of programs, if the user has requested it.
     pub frames: Option<Arc<Frames>>,
     /// Kind of execution of the programs.
     pub exec: Exec,

@@ -6,7 +6,7 @@ use std::io;
 use std::ptr;
 use std::time::{Duration, Instant};
 
-/// Maximum time for which processes are killed.
+/// Maximum time that [`Subreaper::end_all`] takes.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The subreaper of this process: adopts descendants whose parents end, such as daemons, and kills them after the run.

@@ -1,5 +1,5 @@
-//! Detection of overdue programs by the processor time of a thread or process since its release, so that no program
-//! becomes overdue because the machine is loaded.
+//! Detection of overdue programs by the processor time, or the time asleep in the kernel, of a thread or process since
+//! its release. So no program becomes overdue because the machine is loaded.
 
 use std::fs;
 use std::io;

@@ -134,7 +134,7 @@ unsafe impl Send for Channel {}
 // SAFETY: as above.
 unsafe impl Sync for Channel {}
 
-/// The file that contains all channels of one child.
+/// The file that contains all channels of one child: the turn page.
 #[derive(Debug)]
 pub struct Channels {
     file: File,

@@ -65,7 +65,7 @@ pub struct Child {
     lost: OnceLock<Failure>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
-    /// Functions of the program that the host may call, by their numbers in the child.
+    /// Functions of the program that the host may call, by the addresses of their code and data in the child.
     pub(super) callbacks: Mutex<BTreeMap<(u64, u64), Box<dyn Any + Send>>>,
     /// Scratch folder of a restricted process, with its limits.
     scratch: Option<Scratch>,
@@ -105,8 +105,8 @@ struct TaskChannels {
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
-    /// A restricted process has a folder `scratch`. What a process prints past the simulator goes through a pipe; it is
-    /// truncated and shown without control characters.
+    /// A restricted process has a folder `scratch`. Output that a process prints past the simulator goes through a pipe;
+    /// this output is truncated and shown without control characters.
     ///
     /// # Errors
     /// The system lacks the resources for another process, or the command does not exist.
@@ -185,7 +185,7 @@ impl Child {
     pub fn make_room(children: usize) {
         /// Number of open files that do not belong to children.
         const OTHERS: usize = 256;
-        /// Channel and output.
+        /// Number of open files of a child: the file of its channels and the pipe of its output.
         const PER_CHILD: usize = 2;
         let needed = (PER_CHILD * children + OTHERS) as u64;
         let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
@@ -451,7 +451,7 @@ impl Child {
         failure
     }
 
-    /// A break of the child with this description, after its last call.
+    /// A failure of the child with this description, after its last call.
     fn failure(&self, description: &str) -> Failure {
         let last_call = self.last_call.load(Ordering::Relaxed);
         Failure {

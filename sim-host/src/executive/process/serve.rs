@@ -152,7 +152,7 @@ thread_local! {
 }
 
 impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
-    /// Answers calls until the program returns, or the program's function that the host has called.
+    /// Answers calls until the program exits, or until the function of the program that the host has called returns.
     fn serve(&self) -> Result<ServiceEnd, Failure> {
         let child = &self.program.child;
         let outer = SERVED.replace((Arc::as_ptr(child), self.channel));

@@ -9,10 +9,11 @@ use crate::host;
 /// Time for the code between two calls of a program in Python. Our choice.
 const CODE_TIME: Duration = Duration::from_micros(50);
 
-/// The same, and the time in which the kernel wakes the child on a processor that is idle. Our choice.
+/// [`CODE_TIME`] and the time in which the kernel wakes the child on an idle processor. Our choice.
 const WAKE_TIME: Duration = Duration::from_micros(200);
 
-/// With more failures the host sleeps at once, except for one wait of [`PERIOD`]. Our choice.
+/// Maximum value of [`Spinning::failures`] at which the host spins. With a greater value it sleeps at once, except in
+/// one of [`PERIOD`] waits. Our choice.
 const MAX_FAILURES: u32 = 6;
 
 /// See [`MAX_FAILURES`].
@@ -28,7 +29,7 @@ static CHILDREN: AtomicUsize = AtomicUsize::new(0);
 /// the child and one for the thread that serves it, unless both are bound to one processor, and as long as most spins
 /// end with a message. The child spins only if the host does.
 pub struct Spinning {
-    /// Increased by each spin without a message by more than a spin with a message decreases it.
+    /// Each spin without a message increases this value by 2, each spin with a message decreases it by 1.
     failures: AtomicU32,
     /// Number of waits.
     waits: AtomicU32,
@@ -37,7 +38,7 @@ pub struct Spinning {
 }
 
 impl Spinning {
-    /// Spins for the messages of a new child.
+    /// Creates the state for a new child, and counts the child.
     pub fn of_child() -> Self {
         CHILDREN.fetch_add(1, Ordering::Relaxed);
         Self { failures: AtomicU32::new(0), waits: AtomicU32::new(0), is_bound: AtomicBool::new(false) }
