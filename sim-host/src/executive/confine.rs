@@ -75,7 +75,7 @@ fn install(filter: &mut [sock_filter]) {
     }
 }
 
-/// Makes the kernel refuse (`EPERM`) the [`HOST_CALLS`] of this process to the process `host`, to its group and to all
+/// Makes the kernel refuse (`EPERM`) the `HOST_CALLS` of this process to the process `host`, to its group and to all
 /// processes, and also every `tkill` and `ptrace`, since a stopped host could report nothing. A program's own process
 /// calls this function before it loads the program. Async-signal-safe.
 pub fn protect_host(host: i32) {

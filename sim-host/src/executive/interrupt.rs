@@ -227,7 +227,7 @@ extern "C" fn on_interrupt(signal: i32) {
     command::interrupt();
     let is_second = PROCESS_INTERRUPT.get().is_some_and(Interrupt::set);
     if is_second || [&IS_OUTSIDE_OF_RUN, &IS_ENDING].iter().any(|flag| flag.load(Ordering::Acquire)) {
-        // At the second signal, outside of a run, or when the command is done, the end of a slot is not awaited.
+        // The second signal, and a signal outside of a run, do not wait for the end of a slot.
         exit_after_writing(130);
     }
 }

@@ -152,7 +152,7 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 
 /// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
 pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
-    // The number of each movable object among all objects; an `ObjectId` counts only movable objects.
+    // Index of each movable object among all objects; an `ObjectId` counts only movable objects.
     let movable: Vec<usize> = (0..entity_numbers.objects.len())
         .filter(|index| matches!(entity_numbers.objects[*index], NumberedObject::Movable(_)))
         .collect();

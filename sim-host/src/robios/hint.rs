@@ -78,7 +78,7 @@ impl Hints {
         is_first
     }
 
-    /// Counts a turn; returns true if all turns so far are small and at least [`SMALL_TURNS`] of them follow a drive.
+    /// Counts a turn; returns true if all turns so far are small and at least `SMALL_TURNS` of them follow a drive.
     /// Small turns without drives between them are usually a scan or a correction of the heading.
     pub fn count_turn(&mut self, is_small: bool) -> bool {
         let turns = &mut self.turns;

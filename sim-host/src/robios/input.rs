@@ -36,7 +36,7 @@ pub struct Input {
 
 /// Result of a read.
 pub enum Read {
-    /// The next bytes, up to and including the end of a line, if they fit.
+    /// The rest of a line with its end, or as much of it as fits into the buffer.
     Bytes(Vec<u8>),
     /// The input is at its end.
     End,

@@ -105,8 +105,8 @@ struct TaskChannels {
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The new process ends no later than this process.
     ///
-    /// A restricted process has a folder `scratch`. Output that a process prints past the simulator goes through a pipe;
-    /// this output is truncated and shown without control characters.
+    /// A restricted process has a folder `scratch`. Output that a process prints past the simulator goes through a
+    /// pipe; this output is truncated and shown without control characters.
     ///
     /// # Errors
     /// The system lacks the resources for another process, or the command does not exist.

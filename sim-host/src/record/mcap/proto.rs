@@ -376,7 +376,7 @@ fn enumeration(name: &str, values: &[&str]) -> Vec<u8> {
     out
 }
 
-/// Decodes a message of type `message` into JSON values; absent fields are omitted, except that lists are empty.
+/// Decodes a message of type `message` into JSON values. An absent list is empty; other absent fields are omitted.
 ///
 /// # Panics
 /// If the bytes do not encode such a message.
