@@ -5,7 +5,7 @@ use sim_core::spec::ExpectedOutput;
 use super::metric::judge;
 use super::prints::Search;
 
-/// True if the search in these lines succeeds, and its explanation.
+/// Returns true if the search in these lines succeeds, and the explanation of its result.
 fn search(expected: &ExpectedOutput, lines: &str) -> (bool, String) {
     let mut search = Search::new(expected);
     lines.lines().for_each(|line| _ = search.take(line));

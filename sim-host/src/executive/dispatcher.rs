@@ -54,7 +54,7 @@ pub struct Dispatcher {
     departed: Vec<bool>,
     /// Number of robots with a program that has not ended.
     alive: usize,
-    /// End of the last drive under way and of the linger time, see [`Run::drives_end`]; set when `alive` becomes 0.
+    /// End of the last drive in progress and of the linger time, see [`Run::drives_end`]; set when `alive` becomes 0.
     drives_end: Time,
     /// End of the run: no slot begins at or after it.
     limit: Time,
@@ -416,8 +416,8 @@ impl Dispatcher {
         Some(robot)
     }
 
-    /// Releases `first` on the idle `worker`, together with the next robots of its queue if all of them are bound to
-    /// the worker.
+    /// Releases `first` on the idle `worker`. If `first` is bound to the worker, also releases the next robots of the
+    /// run queue, up to the first robot that is not bound and to at most [`MAX_RELEASE`] robots in all.
     fn release(&mut self, worker: usize, first: RobotId, run: &Run) {
         let Worker { run_queue, running } = &mut self.workers[worker];
         running.push(first);

@@ -63,7 +63,7 @@ pub struct Run {
     /// The run must pause at the end of the current slot.
     pub(super) is_pausing: AtomicBool,
     is_verbose: bool,
-    /// Time for which the run continues after its last program has ended.
+    /// See [`Limits::linger`].
     linger: Time,
     /// True once the recording of calls has been turned on for an individual robot; the robots' journals store for
     /// which ones.
@@ -183,8 +183,8 @@ impl Run {
     /// The system lacks the resources for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         if matches!(program, RobotProgram::InHost { .. }) {
-            // The processes that the spawner starts inherit nothing from a program's thread, and its own memory is not
-            // on a heap that programs can damage.
+            // The processes that the spawner's thread starts inherit nothing from a program's thread, and the memory of
+            // the spawner's thread is not on a heap that programs can damage.
             command::start_spawner()?;
         }
         let weak_self = Weak::clone(&self.weak_self);
@@ -506,8 +506,8 @@ impl Run {
         }
     }
 
-    /// Time until which the run continues after its last program has ended: the ends of the drives in progress, and at
-    /// least [`Limits::linger`] from now.
+    /// Time until which the run continues while a robot moves, after its last program has ended: the last end of the
+    /// drives in progress, but not before [`Limits::linger`] has passed.
     pub(super) fn drives_end(&self) -> Time {
         let drive_end = |id| self.robot(id).motion.drive_end().filter(|_| !self.is_removed(id));
         let ends = (0..self.robot_count()).map(RobotId::from_index).filter_map(drive_end);

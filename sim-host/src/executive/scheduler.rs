@@ -118,7 +118,8 @@ pub struct Limits {
     pub timeout: f64,
     /// Every call is recorded.
     pub is_verbose: bool,
-    /// Time for which the run continues after its last program has ended, while anything moves.
+    /// Virtual time for which the run continues while a robot moves, after its last program has ended. Drives in
+    /// progress are completed in any case.
     pub linger: Time,
 }
 
@@ -154,7 +155,7 @@ pub struct RobotEnd {
     pub virtual_time: Time,
     /// True pose of its centre in the world.
     pub pose: Pose,
-    /// Depth of its hull under the surface of the water, m; `None` on dry land.
+    /// Depth of the top of its hull below the surface of the water, m; `None` for a robot that is not in the water.
     pub depth: Option<f64>,
     /// Angles of the joints of its legs, leg by leg, rad.
     pub joints: Vec<f64>,
@@ -417,7 +418,7 @@ impl Scheduler {
             self.failures.push((id, failure));
             run.dispatcher.lock().end_with(EndReason::ProgramFailed);
         }
-        // The thread of a program that has ended may still fault in a destructor of a thread-local.
+        // The thread of a program that has ended may still crash in a destructor of a thread-local.
         if !run.dispatcher.lock().has_departed(id) {
             run.end_robot(id, deadline);
         }

@@ -30,7 +30,8 @@ pub struct Options {
     pub until: Option<Time>,
     /// End of the run if neither [`Options::until`] nor the scene sets one; default: [`DEFAULT_UNTIL`].
     pub default_until: Time,
-    /// Virtual time for which the run continues after its last program has ended, while anything moves; default: 0.
+    /// Virtual time for which the run continues while a robot moves, after its last program has ended; default: 0. The
+    /// run always continues to the ends of the drives in progress, and while an object moves.
     pub linger: Time,
     /// Number of workers: robots that run at the same time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,

@@ -160,7 +160,7 @@ pub struct RobotReport {
     pub start: PlanarPose,
     /// True pose at the end, or when it was removed.
     pub pose: PlanarPose,
-    /// Depth of the hull below the surface of the water, m; none for a robot without a hull.
+    /// Depth of the top of the hull below the surface of the water, m; none for a robot that is not in the water.
     pub depth_m: Option<f64>,
     /// Pose by odometry, in the odometry frame; none if the robot never used odometry.
     pub odometry: Option<PlanarPose>,

@@ -62,8 +62,8 @@ pub struct TraceFile {
     batch: Vec<u8>,
     /// The queue to the writer; `None` after its end.
     queue: Option<Sender<Batch>>,
-    /// Result of the writer, which it sends at its end. The thread is not joined: its end may wait for a lock that a
-    /// broken program holds.
+    /// Result of the writer, which the writer's thread sends at its end. The thread is not joined: its end may wait for
+    /// a lock that a failed program holds.
     outcome: Receiver<Result<(), RecordError>>,
     expected_file: Option<Arc<ExpectedFile>>,
 }

@@ -1,6 +1,6 @@
 //! The camera of RoBIOS-7: images of any size, in colour or grey.
 //!
-//! Source: RoBIOS-7 library, camera. As in EyeSim VR, an image may be larger than the largest one in the robi.
+//! Source: RoBIOS-7 library, camera. As in EyeSim VR, an image may be larger than the maximum size in the robi.
 
 use robios_sys::robios7::{CAM5MP, RESOLUTIONS};
 use robios_sys::{OutBytes, OutFloats, OutInts, Robios7Call as Call};

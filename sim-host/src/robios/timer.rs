@@ -61,7 +61,7 @@ impl Timers {
         self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
     }
 
-    /// Takes the callbacks due at `now`, in order of attachment; missed ticks are coalesced into one.
+    /// Takes the callbacks due at `now`, in order of attachment; a timer that was due several times gives one callback.
     pub fn take_due(&mut self, now: Time) -> Vec<Callback> {
         let mut due = Vec::new();
         for timer in &mut self.list {
@@ -73,8 +73,8 @@ impl Timers {
         due
     }
 
-    /// Ends the running callbacks at `now`. Ticks that became due while they ran are dropped, so that the program
-    /// itself continues however long its callbacks take.
+    /// Ends the running callbacks at `now`. Timers that became due while the callbacks ran skip this time, so that the
+    /// program itself continues however long its callbacks take.
     pub fn end_callbacks(&mut self, now: Time) {
         self.in_callback = false;
         self.list.iter_mut().for_each(|timer| timer.skip_past(now));
@@ -82,7 +82,7 @@ impl Timers {
 }
 
 impl Timer {
-    /// Moves the next tick of the timer past `now`.
+    /// Moves the next due time of the timer past `now`.
     fn skip_past(&mut self, now: Time) {
         if self.next <= now {
             let missed = (now - self.next).0 / self.period.0;

@@ -367,8 +367,8 @@ impl Channel {
         self.header().host.load(Ordering::Relaxed)
     }
 
-    /// True if the child is importing a module, and the processor time that earlier imports have taken (channel 0
-    /// only).
+    /// Returns true if the child is importing a module, and the processor time that earlier imports have taken (channel
+    /// 0 only).
     pub fn imports(&self) -> (bool, Duration) {
         let header = self.header();
         let spent_ms = header.import_ms.load(Ordering::Relaxed);

@@ -216,7 +216,7 @@ impl Child {
         &self.first
     }
 
-    /// True if the child is importing a module, and the processor time that earlier imports have taken.
+    /// Returns true if the child is importing a module, and the processor time that earlier imports have taken.
     pub fn imports(&self) -> (bool, Duration) {
         self.first.imports()
     }
