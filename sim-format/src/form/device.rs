@@ -137,9 +137,9 @@ impl Form for CompassSpec {
 impl Form for LcdSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LcdForm", "The colour display of RoBIOS-7.");
-        keys.key("width_px", "Pixels in a row; default: 320.")
+        keys.key("width_px", "Pixels in a row; default: 480.")
             .always_printed(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
-        keys.key("height_px", "Rows of pixels; default: 240.")
+        keys.key("height_px", "Rows of pixels; default: 320.")
             .always_printed(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
     }
 }
