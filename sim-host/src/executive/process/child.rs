@@ -198,7 +198,7 @@ impl Child {
         }
     }
 
-    /// See [`Spinning::has_processors`].
+    /// Returns true if there is a processor for each child, and another one for each thread that serves a child.
     pub fn has_processors() -> bool {
         Spinning::has_processors()
     }
