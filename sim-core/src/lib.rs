@@ -33,7 +33,8 @@ pub mod time;
 pub mod unit;
 pub mod world;
 
-/// A robot's number: 1, 2, ... in the order of the sim file; also its `OSMachineID` and its radio address.
+/// A robot's number: 1, 2, ... in the order of the file, unless the scene sets other numbers. `OSMachineID` returns
+/// this number, and it is the robot's radio address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct RobotId(pub u32);
 
@@ -46,7 +47,7 @@ impl RobotId {
     /// The id of the robot at `index` in a list of all robots.
     ///
     /// # Panics
-    /// If there are more than `u32::MAX - 1` robots.
+    /// If `index` is `u32::MAX` or more.
     pub fn from_index(index: usize) -> Self {
         Self(u32::try_from(index + 1).expect("a scene has fewer than 2^32 robots"))
     }
@@ -72,7 +73,7 @@ impl ObjectId {
     /// The id of the object at `index` in a list of all objects.
     ///
     /// # Panics
-    /// If there are more than `u32::MAX - 1` objects.
+    /// If `index` is `u32::MAX` or more.
     pub fn from_index(index: usize) -> Self {
         Self(u32::try_from(index + 1).expect("a scene has fewer than 2^32 objects"))
     }

@@ -1,4 +1,4 @@
-//! Virtual time and simulation time: integers in microseconds, so that sums are exact for every slot length.
+//! Virtual time: instants and spans in whole microseconds, so that sums are exact for every slot length.
 
 use std::ops::{Add, AddAssign, Sub};
 

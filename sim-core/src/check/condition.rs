@@ -451,7 +451,8 @@ impl Clearance {
     }
 
     /// Evaluates the distance to one other body or wall in a section. `radius` is the distance of the robot's centre
-    /// from that body or wall at contact. `distance_minus(d)` is the squared distance minus `d`.
+    /// from the centre of that body, or from the wall, at contact. `distance_minus(d)` is the squared distance minus
+    /// `d`.
     fn update_gap<F: Smooth>(
         &mut self,
         distance_minus: impl Fn(f64) -> F,

@@ -35,13 +35,14 @@ const CELL: Time = Time::from_millis(100);
 pub struct Finding {
     /// True if the condition is met.
     pub is_met: bool,
-    /// Instant of the verdict, s: when the condition was met or first violated, or when the body was nearest to the
-    /// place that it did not reach.
+    /// Instant of the verdict, s: when the condition was met or first violated, when the body was nearest to the place
+    /// that it did not reach, or when it visited the last of the places so far.
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
     /// The measured quantity, in m or as a pure number. It depends on the variant of [`CheckKind`]: distance to the
-    /// place, number of places or passages, minimum gap, fraction, maximum error, or metric of a swarm.
+    /// centre of the place (for a polygon, to its border), number of places or passages, minimum gap, fraction, maximum
+    /// error, or metric of a swarm.
     pub value: Option<f64>,
 }
 

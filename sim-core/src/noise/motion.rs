@@ -2,12 +2,13 @@
 
 /// Noise model of a robot's drive and odometry, as defined in a profile. The default has no errors.
 ///
-/// All fields except `diameter_sigma` are also in [`Imperfection`](crate::drive::Imperfection), which applies them.
+/// [`Imperfection`](crate::drive::Imperfection) is this model for one robot: `left`, `right` and `diameter_sigma`
+/// become the diameter of each wheel, and the other fields are the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionNoise {
     /// Relative excess of the diameter of the left wheels (for a car: of the driven wheels) over the nominal diameter.
     pub left: f64,
-    /// Relative excess of the diameter of the wheels on the right.
+    /// Relative excess of the diameter of the right wheels over the nominal diameter.
     pub right: f64,
     /// Standard deviation of a further relative excess, drawn once for each wheel.
     pub diameter_sigma: f64,

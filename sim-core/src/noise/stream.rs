@@ -98,7 +98,8 @@ pub struct EventStreams {
 }
 
 impl EventStreams {
-    /// Streams of the device called `device` on `robot`. The drive of a robot has the name `""`, for its slip `"slip"`.
+    /// Streams of the device called `device` on `robot`. The drive of a robot has the name `""`; the slip of its wheels
+    /// has the name `"slip"`.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, device: &str) -> Self {
         Self { key: key(seed, robot, purpose, 0, name_key(device)) }
     }

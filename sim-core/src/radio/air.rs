@@ -73,7 +73,7 @@ impl Air {
             .any(|other| other.message.from != transmission.message.from && other.is_heard_by(receiver))
     }
 
-    /// Other transmissions that overlap with this one in time.
+    /// Transmissions that overlap with this one in time; includes this one.
     fn overlapping(&self, transmission: &Transmission) -> impl Iterator<Item = &Transmission> {
         let end = self.transmissions.partition_point(|(other, _)| other.begins < transmission.ends);
         let start =

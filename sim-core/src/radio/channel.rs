@@ -137,7 +137,8 @@ impl Channel {
     }
 
     /// Next time at which the channel must decide an outcome even if no message is queued; the slot that contains this
-    /// instant must be run. [`Time::NEVER`] if there is nothing to decide, [`Time::ZERO`] after a station was switched.
+    /// instant must be run. [`Time::NEVER`] if there is nothing to decide. [`Time::ZERO`] after a station was switched,
+    /// or after a noise model of a token ring was set.
     pub fn due(&self) -> Time {
         if self.has_changed { Time::ZERO } else { self.due }
     }

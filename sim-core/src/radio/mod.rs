@@ -108,7 +108,7 @@ pub struct OutgoingMessage {
 /// Reason why a message was not received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
-    /// The channel lost the message (with probability P_p).
+    /// The channel lost the message (with probability P_p), or the radio of the sender or receiver was silenced.
     Packet,
     /// The receiver was too far away.
     Range,
@@ -133,7 +133,8 @@ pub enum Loss {
 /// Outcome of a message at one receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delivery {
-    /// The receiver; the sender itself for [`Loss::Nobody`] and [`Loss::Unsent`].
+    /// The receiver. The sender itself for [`Loss::Nobody`] and [`Loss::Unsent`], and for [`Loss::End`] if the channel
+    /// had not decided the message.
     pub to: RobotId,
     /// The sender.
     pub from: RobotId,

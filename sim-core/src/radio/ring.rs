@@ -136,7 +136,7 @@ impl Ring {
         self.stations.extend(members.iter().map(|member| RingStation {
             robot: member.robot,
             frame: air_time(0, member.baud),
-            // A single station passes the token to itself: no reception, no loss.
+            // A single station passes the token to itself, without a reception, so the token cannot be lost.
             hazard: if members.len() > 1 { hazard(noise_of(member.robot)) } else { 0 },
         }));
         let sum = |(duration, hazard_sum): (Time, u128), station: &RingStation| {
@@ -223,7 +223,7 @@ impl Ring {
     }
 }
 
-/// Hazard of passing a token frame to a receiver with the noise model `radio`: -ln of the probability that the frame
+/// Hazard of passing a token frame to a receiver with the noise model `noise`: -ln of the probability that the frame
 /// arrives without error.
 fn hazard(noise: RadioNoise) -> u128 {
     fixed(noise.hazard(8 * HEADER_BYTES as u32))

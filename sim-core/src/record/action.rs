@@ -28,22 +28,22 @@ pub enum Action {
     PlaceRobot {
         /// Number of the robot.
         robot: u32,
-        /// World coordinate to the right.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y, m.
         y_m: f64,
-        /// Heading, counter-clockwise from x.
+        /// Heading, counter-clockwise from x, rad.
         phi_rad: f64,
     },
     /// Moves a movable object to another pose, at rest.
     PlaceObject {
         /// Number of the object.
         object: u32,
-        /// World coordinate to the right.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y, m.
         y_m: f64,
-        /// Heading, counter-clockwise from x.
+        /// Heading, counter-clockwise from x, rad.
         phi_rad: f64,
     },
     /// Sets a parameter of the noise models.
@@ -70,11 +70,11 @@ pub enum Action {
         kind: String,
         /// Number of the robot whose program the new robot runs; `None` for a robot without a program.
         program_of: Option<u32>,
-        /// World coordinate to the right.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y, m.
         y_m: f64,
-        /// Heading, counter-clockwise from x.
+        /// Heading, counter-clockwise from x, rad.
         phi_rad: f64,
     },
     /// Removes a robot from the world; its program ends and its number is not reused.
@@ -86,11 +86,11 @@ pub enum Action {
     AddObject {
         /// Name of the type in the scene.
         kind: String,
-        /// World coordinate to the right.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y, m.
         y_m: f64,
-        /// Heading, counter-clockwise from x.
+        /// Heading, counter-clockwise from x, rad.
         phi_rad: f64,
     },
     /// Removes a movable object from the world; its number is not reused.

@@ -4,7 +4,7 @@
 //! construction, seed, slot length), and for each slot with events the blocks of the robots that recorded an event, in
 //! order of the ids (id, number of bytes, canonical bytes of the events), followed by the end of the slot. Slots and
 //! robots without events add no bytes; they only affect the times of later events. The digest of a run is the digest
-//! after its last slot, so it equals the last slot line of the trace.
+//! after its last slot, so it equals the digest in the last slot line of the trace.
 //!
 //! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers as their bits. Notes, wall
 //! time and the order of threads are excluded. The construction is our choice: one long message is hashed in parallel
@@ -129,7 +129,8 @@ impl RunDigest {
         Digest(*hasher.update(&self.pending).finalize().as_bytes())
     }
 
-    /// Same as [`Self::value`], but hashes the pending bytes for good: faster if the digest is needed after each slot.
+    /// Returns [`Self::value`] and removes the pending bytes after hashing them: faster if the digest is needed after
+    /// each slot.
     pub fn update_value(&mut self) -> Digest {
         debug_assert!(!self.has_events, "the slot has not ended");
         let digest = Digest(*self.hasher.update(&self.pending).finalize().as_bytes());

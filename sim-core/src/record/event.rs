@@ -428,7 +428,7 @@ events! {
         /// The bytes as received.
         data: &'a [u8],
     }
-    /// A user has intervened in the run; an event of the world.
+    /// A user, or a fault of the scene, has intervened in the run; an event of the world.
     Intervention = "intervention" {
         /// The action.
         #[serde(borrow)]
@@ -495,7 +495,7 @@ events! {
         /// Height, m.
         height_m: f64,
     }
-    /// Posture of a legged robot at the end of a slot in which it changed.
+    /// Posture of a robot with legs or in the water, at the end of a slot in which the posture changed.
     Posture = "posture" {
         /// Height of the body's frame above the plane of the floor, m.
         lift_m: f64,
@@ -534,11 +534,11 @@ events! {
     }
     /// A program has failed. A note: not part of the digest.
     Fault = "fault" {
-        /// Kind of the fault, such as `SIGSEGV` or `panic`.
+        /// Kind of the failure, such as `SIGSEGV` or `panic`.
         what: &'a str,
         /// Source file and line; empty if unknown.
         location: &'a str,
-        /// Last RoBIOS call before the fault; empty if there was none.
+        /// Last RoBIOS call before the failure; empty if there was none.
         last_call: &'a str,
     }
     /// Explanation of why a program ended or what it waits for. A note: not part of the digest.

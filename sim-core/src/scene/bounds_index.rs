@@ -8,8 +8,8 @@ use super::Bounds;
 use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_margin};
 use super::nearby::{Nearby, Rectangle};
 
-/// Maximum number of bodies that [`BoundsIndex::add_to`] tests: with one large body, the middles of many others are
-/// within its size. Our choice.
+/// Maximum number of bodies that [`BoundsIndex::add_to`] tests. One large body enlarges the area of the search, which
+/// may then contain the middles of many small bodies. Our choice.
 const MAX_SCANNED: usize = 256;
 
 /// Maximum extent of an index, m, for [`BoundsIndex::add_to`]; far below the largest `f32`. Our choice.

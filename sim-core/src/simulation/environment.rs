@@ -55,8 +55,8 @@ struct RobotEnding<'a> {
 pub struct SlotEnd {
     /// End of the slot.
     pub at: Time,
-    /// Receivers of messages, each with the time when the message becomes visible, which the robot's virtual time has
-    /// not reached.
+    /// Receivers of messages, each with the time when the message becomes visible. The robot's virtual time has not
+    /// reached this time yet.
     pub arrivals: Vec<(RobotId, Time)>,
 }
 
@@ -191,7 +191,7 @@ impl Environment {
         self.spare_motions = parallel::reuse(motions);
         let arrivals = self.traffic.deliver(robots);
         // The posture is recorded before the pose, so that a reader has the height of the body before it reads the
-        // pose. It needs the published motion of all robots.
+        // pose. To record the posture, the published motion of all robots is needed.
         let has_stances = self.world.has_stances();
         let next_slot_end = at + self.world.slot();
         self.is_active.clear();

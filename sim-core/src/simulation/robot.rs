@@ -32,8 +32,8 @@ use super::Placement;
 /// During a slot a robot changes only its own state, at its own virtual time, and reads the world as published at the
 /// start of the slot.
 ///
-/// The fields are laid out in this order: those that the end of each slot and most calls access come first, side by
-/// side.
+/// The fields are stored in the declared order. The fields that the end of each slot and most calls access come first,
+/// side by side.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Robot {
@@ -74,7 +74,7 @@ struct FloorMonitor {
     corners: (DVec2, DVec2),
     /// Time at which the detection started.
     since: Time,
-    /// True once the robot's centre has been on the floor at the end of a slot.
+    /// True once the robot's centre has been on the floor at the start of the detection or at the end of a slot.
     has_been_on: bool,
     /// Instant at which the robot first left the floor.
     left_at: Option<Time>,
@@ -90,7 +90,7 @@ impl FloorMonitor {
 /// Interval between checks of the contacts of legs. Our choice.
 const TOUCH_INTERVAL: Time = Time::from_millis(10);
 
-/// Recorded state of a robot's legs.
+/// Recorded posture and contacts of a robot with legs or in the water.
 #[derive(Clone, Debug, Default)]
 pub struct WalkRecord {
     /// Last recorded posture: height, m, and joint angles, rad.
@@ -261,7 +261,7 @@ impl Robot {
         devices.compass.read(*now, |at| compass::measure(spec.compass.as_ref(), motion, at, errors.as_ref()))
     }
 
-    /// Computes the values of the measurements that have ended until now.
+    /// Computes the values of the measurements that have ended by now.
     ///
     /// Must be called when virtual time reaches [`Devices::due`], because a value may be read much later and the world
     /// keeps a history of only 100 ms. Continuous measurements do not need this call.
@@ -353,8 +353,8 @@ impl Robot {
         self.motion.is_active()
     }
 
-    /// Records the footfalls of a legged robot in the slot. For a robot with legs or in the water, also records the
-    /// posture at the end of the slot if it has changed since the last record.
+    /// Records the footfalls and the new contacts of a legged robot in the slot. For a robot with legs or in the water,
+    /// also records the posture at the end of the slot if it has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
         if !self.motion.has_variable_height() {
             return;
@@ -409,7 +409,8 @@ impl Robot {
         format!("{name}.{link}")
     }
 
-    /// Records that the robot `by` has placed this robot at `pose` at the time `at`.
+    /// Records that the robot `by`, or an intervention if `by` is [`WORLD`](crate::record::WORLD), has placed this
+    /// robot at `pose` at the time `at`.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
         let Pose { position, heading } = pose;
         let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };

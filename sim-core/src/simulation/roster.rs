@@ -72,8 +72,8 @@ impl Roster {
     }
 
     /// Spec of a new robot of the type `kind` at `start`: x and y in m, heading in rad. It runs the program of the
-    /// robot with the number `program_of`. Its noise profile is that of the same robot, otherwise that of the first
-    /// robot of its type, otherwise that of the scene.
+    /// robot with the number `program_of`. Its noise profile is that of the robot `program_of`; without such a robot,
+    /// that of the first robot of its type; without such a robot either, that of the scene.
     ///
     /// # Errors
     /// [`Refusal`] if a name or number is unknown, the position is occupied, or the limit is reached.

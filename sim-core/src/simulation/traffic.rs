@@ -15,7 +15,7 @@ pub(super) struct Traffic {
     messages: Vec<OutgoingMessage>,
     /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
-    /// Messages that have left the buffers of their senders until the end of the slot: (sender, sequence number).
+    /// Messages that have left the buffers of their senders by the end of the slot: (sender, sequence number).
     departed: Vec<(RobotId, u64)>,
     /// Times when messages become visible, with their receivers.
     visible: BinaryHeap<Reverse<(Time, RobotId)>>,

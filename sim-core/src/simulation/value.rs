@@ -101,7 +101,8 @@ impl Simulation {
     }
 
     /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start
-    /// of its present slot. `roster` and `factory` are used to add more robots.
+    /// of the environment's present slot. The copy has no visuals and no pending faults. `roster` and `factory` are
+    /// used to add more robots.
     pub fn copy_of(environment: &Environment, robots: &[&Robot], roster: &Roster, factory: &RobotFactory) -> Self {
         let robots = robots.iter().map(|robot| (*robot).clone()).collect();
         Self::of(environment.clone(), robots, roster.clone(), factory.clone())
@@ -179,8 +180,8 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Refusal`] for unknown names and invalid values, for a present time [within a slot](Refusal::WithinSlot), and
-    /// for actions that need a run with programs: adding a robot with a program, and ending the run. Nothing changes
-    /// then.
+    /// for actions that need a run with programs: adding a robot with a program, typing a line to a program, and ending
+    /// the run. Nothing changes then.
     pub fn act(&mut self, action: &Action) -> Result<(), Refusal> {
         if self.now != self.world().slot_start() {
             return Err(Refusal::WithinSlot(self.world().slot_end()));
@@ -216,8 +217,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes an added entity visible to cameras, with the appearance of its type if that is known, otherwise as its
-    /// colliders.
+    /// Makes an added entity visible to cameras: with the appearance of its type if this appearance is known, otherwise
+    /// in the shape of its colliders.
     fn add_visuals(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {
             Arc::make_mut(visuals).add([entity], &mut NoMeshes);

@@ -34,7 +34,7 @@ impl FaultSpec {
     }
 }
 
-/// Instants at which a fault begins, in seconds of simulated time.
+/// Instants at which a fault begins, in seconds of virtual time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultTime {
     /// Once, with a probability.
@@ -68,7 +68,7 @@ pub enum FaultKind {
         /// Name of the sensor.
         sensor: String,
     },
-    /// A range sensor repeats its last reading.
+    /// A range sensor repeats the reading that it has when the fault begins.
     SensorStuck {
         /// Name of the sensor.
         sensor: String,

@@ -251,7 +251,7 @@ fn smallest_square(count: u32) -> u32 {
 pub struct RunSpec {
     /// Seed of all random numbers.
     pub seed: Option<u64>,
-    /// Length of a time slot; positive.
+    /// Length of a slot; positive.
     pub slot: Option<Time>,
     /// Time limit of the run; positive.
     pub until: Option<Time>,
@@ -460,7 +460,7 @@ pub struct SimSpec {
 /// A robot of a scene, ready to be built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotSpec {
-    /// Number from 1: stated by the scene, otherwise the position among the robots of the file.
+    /// Number from 1: the number that the scene sets, otherwise the next free number in the order of the file.
     pub id: RobotId,
     /// Type of the robot, shared by robots of one file.
     pub robi: Arc<RobiSpec>,

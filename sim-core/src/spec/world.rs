@@ -55,7 +55,7 @@ pub struct StartSpec {
 pub struct WorldSpec {
     /// Name of the file.
     pub file: String,
-    /// Width (along x) and height (along y) of the floor, in metres; one corner is the origin.
+    /// Width (along x) and height (along y) of the floor, in metres; the lower left corner is the origin.
     pub floor: DVec2,
     /// Image stretched over the whole floor.
     pub texture: Option<SpannedText>,

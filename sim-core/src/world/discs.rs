@@ -1,6 +1,6 @@
 //! Cache of the robots' discs at the instant of the last query. All sensors of a robot and of its neighbours usually
-//! measure at the same instant, and a disc is then computed once and found in a few bytes, far from the rest of its
-//! robot.
+//! measure at the same instant. Each disc is then computed once, and later queries read only its few bytes, not the
+//! robot's track.
 
 use std::sync::atomic::{AtomicU64, Ordering, fence};
 
@@ -43,12 +43,13 @@ impl Clone for DiscCache {
 impl DiscCache {
     /// Empties the cache after a change of the published motion, for `count` robots.
     pub fn renew(&mut self, count: usize) {
-        // Entries begin with epoch 0.
+        // New entries have epoch 0, so they are invalid in all later epochs.
         self.epoch += 1;
         self.entries.resize_with(count, Entry::default);
     }
 
-    /// The disc of `robot` at `at`; `compute` computes it if it is not known, `None` for a robot that is not present.
+    /// The disc of `robot` at `at`; `None` if the robot is not present. If the cache has no entry for this instant,
+    /// `compute` computes the disc.
     pub fn get(&self, robot: RobotId, at: Time, compute: impl FnOnce() -> Option<Disc>) -> Option<Disc> {
         let Some(entry) = self.entries.get(robot.index()) else { return compute() };
         let key = [self.epoch, at.0 as u64];
@@ -63,7 +64,7 @@ impl DiscCache {
         let disc = compute();
         let begin =
             |version| entry.version.compare_exchange(version, version + 1, Ordering::Acquire, Ordering::Relaxed);
-        // If another thread writes, its disc is as useful.
+        // If another thread writes this entry, the cache keeps the disc of that thread.
         if is_consistent && begin(version).is_ok() {
             fence(Ordering::Release);
             let Disc { centre, radius } = disc.unwrap_or(Disc { centre: DVec2::ZERO, radius: f64::NAN });

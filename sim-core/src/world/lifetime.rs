@@ -173,8 +173,8 @@ impl World {
         wall.map(Thing::Wall).or_else(|| robot().map(Thing::Robot)).or_else(|| object().map(Thing::Object))
     }
 
-    /// The first wall of the outline of a thick wall or fixed body that contains `point`; `None` if there is no such
-    /// body.
+    /// The first side of the thick wall that contains `point`. If a fixed body contains it, the first wall of all
+    /// outlines; `None` if there is no such wall or body.
     fn surrounding_wall(&self, point: DVec2) -> Option<WallId> {
         let space = &self.indexed_space.space;
         let thick_walls = space.thick_walls.iter().map(|block| block.wall.0..block.wall.0 + 4);

@@ -79,7 +79,7 @@ impl World {
         self.indexed_space.has_meshes
     }
 
-    /// Material of the floor; `None` if a fixed body is the ground.
+    /// Acoustic properties of the floor; `None` if a fixed body is the ground.
     pub(crate) fn floor_surface(&self) -> Option<Surface> {
         self.indexed_space.space.floor
     }

@@ -20,8 +20,8 @@ pub struct RayHit {
     pub distance: f64,
     /// The wall, floor or body that was hit.
     pub thing: Thing,
-    /// The surface at the hit. `None` if only the distance is known: on a wall, robot or object that [`Ray::flat`] or
-    /// [`Ray::tilted`] treats as unlimited in height.
+    /// The surface at the hit. `None` if only the distance is known: for [`Ray::flat`] and [`Ray::tilted`], on the side
+    /// of a wall, and on a robot or object that they treat as unlimited in height.
     pub face: Option<HitSurface>,
 }
 
@@ -137,7 +137,8 @@ impl Ray {
         }
     }
 
-    /// This planar ray at `height` metres above the floor; it then also hits meshes at that height.
+    /// This planar ray at `height` metres above the floor. It then also hits meshes at that height, and hits a floating
+    /// object only at the object's true height.
     pub fn at_height(mut self, height: f64) -> Self {
         self.origin.z = height;
         self
@@ -145,8 +146,8 @@ impl Ray {
 
     /// The ray from `origin` with the horizontal direction `trace`, a unit vector, and the elevation angle `tilt`. It
     /// passes over walls that are [lower](crate::scene::Walls::height) than the ray at their distance, and can hit the
-    /// upper faces of walls and the floor. It hits robots and objects as if their height were unlimited, and also
-    /// meshes.
+    /// upper faces of walls and the floor. It hits robots and objects as if their height were unlimited, except
+    /// floating objects, which have their true height. It also hits meshes.
     pub fn tilted(origin: DVec3, trace: DVec2, tilt: &Tilt, range: f64) -> Self {
         let floor_distance = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
         let direction = tilt.direction(trace);
@@ -182,7 +183,7 @@ pub struct RayCaster<'a> {
     nearby: Option<Nearby<RobotId>>,
 }
 
-/// Number of rays from which collecting the nearby robots pays. Our choice.
+/// Minimum number of rays for which collecting the nearby robots saves time. Our choice.
 const MIN_RAYS: usize = 4;
 
 /// The state of a ray cast: the ray and its nearest hit so far.
@@ -208,12 +209,12 @@ impl World {
         RayCaster { world: self, robot, at, nearby: None }
     }
 
-    /// Casts `count` rays of `robot` at the instant `at`, which stay within `reach` metres of `centre`; any
-    /// other ray only takes longer.
+    /// Casts `count` rays of `robot` at the instant `at`. The rays should stay within `reach` metres of `centre`; a ray
+    /// that leaves this disc is also correct, but slower.
     pub fn caster_near(&self, robot: RobotId, at: Time, count: usize, centre: DVec2, reach: f64) -> RayCaster<'_> {
         let mut caster = self.caster(robot, at);
         if count >= MIN_RAYS && self.tracks.len() > 1 && reach.is_finite() {
-            // So that rounding excludes no ray that just stays within `reach`.
+            // The factor prevents rounding from excluding a ray that just stays within `reach`.
             let nearby = caster.nearby.insert(Nearby::new(centre, reach * (1.0 + 1e-6), robot));
             if !(self.moving.add_to(nearby) && self.resting.add_to(nearby)) {
                 caster.nearby = None;
@@ -347,7 +348,7 @@ impl RayCast<'_> {
         });
     }
 
-    // Not inlined, because the search along the walls in the same caller needs the registers.
+    // Not inlined, because the search along the walls, in the same calling function, needs the registers.
     #[inline(never)]
     fn cast_robots(&mut self) {
         let (world, origin, trace) = (self.world, self.ray.origin.truncate(), self.ray.trace);

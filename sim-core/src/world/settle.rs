@@ -2,8 +2,8 @@
 //!
 //! This is an event simulation of the true motions of the slot. When two discs touch and approach each other, each disc
 //! whose velocity points towards the contact is stopped at that instant; then the later commands of the slot are
-//! applied to it again. Each event stops a moving body or applies one command, and time never goes back, so the
-//! simulation ends.
+//! applied to it again. Each event stops a moving body, applies one command again, or advances the movable objects by
+//! one step. Time never goes back, so the simulation ends.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -22,8 +22,8 @@ pub struct Space {
     pub floor: Option<Surface>,
     /// Surfaces of the walls, in the order of their ids.
     pub walls: Vec<Surface>,
-    /// First wall that is an outline of a fixed body; so are all later walls. Robots touch these walls;
-    /// three-dimensional rays hit the bodies instead.
+    /// First wall that belongs to the outline of a fixed body; all later walls also belong to such outlines. Robots
+    /// touch these walls; three-dimensional rays hit the bodies instead.
     pub outlines: Option<WallId>,
     /// Walls with a thickness. Their sides are walls in the plane; this list adds their upper faces.
     pub thick_walls: Vec<ThickWall>,

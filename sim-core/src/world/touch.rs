@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Number of steps of the ternary search for the point of a segment that is nearest to a convex body. Each step reduces
-/// the interval to two thirds, so the final interval of a segment of several metres is shorter than 10^-12 m.
+/// the interval to two thirds, so the final interval of a segment of up to 2 m is shorter than 10^-12 m.
 const MAX_SEARCH_STEPS: u32 = 70;
 
 /// A part of a legged robot in contact with an obstacle.
@@ -23,8 +23,8 @@ pub struct LegContact {
     pub part: BodyPart,
     /// The obstacle; the ground is [`Thing::Floor`].
     pub thing: Thing,
-    /// Point of contact on the obstacle, in the world frame, m; for the ground, a point vertically below the axis of
-    /// the part.
+    /// Point of contact on the obstacle, in the world frame, m; for the ground, a point vertically above or below the
+    /// axis of the part. For the body on the ground, this point has the height of the highest ground under the body.
     pub point: DVec3,
 }
 

@@ -16,7 +16,8 @@ fn write_varint(value: u64, bytes: &mut Vec<u8>) {
     if value < 0x80 { bytes.push(value as u8) } else { write_long_varint(value, bytes) }
 }
 
-/// Implements [`write_varint`] for values of several bytes, so that the other case is inlined.
+/// Implements [`write_varint`] for values of several bytes. It is a separate function, so that the case of one byte is
+/// inlined.
 #[inline(never)]
 fn write_long_varint(mut value: u64, bytes: &mut Vec<u8>) {
     if value < 1 << 56 {
