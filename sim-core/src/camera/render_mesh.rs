@@ -30,7 +30,7 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// A run of consecutive faces.
+/// Consecutive faces that are culled together.
 #[derive(Clone, Debug)]
 pub struct Cluster {
     pub bounds: Sphere,

@@ -92,7 +92,7 @@ pub struct Ground {
     pub spots: Vec<Spot>,
 }
 
-/// A rectangle on the ground with one corner at the origin.
+/// A rectangle on the ground with its lower left corner at the origin.
 #[derive(Clone, Debug)]
 pub struct Floor {
     /// Its width (along x) and height (along y), m.

@@ -40,7 +40,8 @@ struct Caster {
     /// For each edge, the signed distance from it (m, positive inside) as a linear function of the position
     /// perpendicular to the sun's direction.
     edges: [[f64; 3]; 3],
-    /// Coordinate of the face towards the sun (m), as a linear function of the same position.
+    /// Coordinate of the face towards the sun (m), as a linear function of the position perpendicular to the sun's
+    /// direction.
     plane: [f64; 3],
     /// Maximum coordinate towards the sun.
     highest: f64,
@@ -207,7 +208,7 @@ impl ShadowGrid {
     }
 
     /// Returns true if another face hides the sun from a point on the face `shown_face` (numbers of part and triangle).
-    /// `last_caster` caches the index of the last face that did so.
+    /// `last_caster` caches the index of the face that hid the sun in the last call that returned true.
     #[inline]
     pub fn is_shaded(&self, point: DVec3, shown_face: (u32, u32), last_caster: &mut usize) -> bool {
         let position = point.truncate();

@@ -1,6 +1,6 @@
 //! Randomness: distributions, random streams, and the noise models of a profile. Each stream has its own key, so no
 //! robot or device changes the random numbers of another. This module applies the models that need only numbers;
-//! `drive` and `device` apply the rest.
+//! `drive` and `device` apply the other models.
 
 mod angle;
 mod blur;

@@ -1,4 +1,4 @@
-//! Broad-phase index over moving bodies: finds candidates near a point, along a ray, or near each other.
+//! Broad-phase index over bodies: finds the bodies that a ray may meet or that may overlap a rectangle.
 
 use std::ops::ControlFlow;
 
@@ -15,9 +15,9 @@ const MAX_SCANNED: usize = 256;
 /// Maximum extent of an index, m, for [`BoundsIndex::add_to`]; far below the largest `f32`. Our choice.
 const MAX_EXTENT: f64 = 1e30;
 
-/// A uniform grid over the bounds of moving bodies during a slot.
+/// A uniform grid over the bounds of bodies, such as moving bodies during a slot.
 ///
-/// The index is rebuilt each slot and reuses its memory. Time and memory are proportional to the number of bodies,
+/// [`BoundsIndex::rebuild`] reuses the memory of the index. Time and memory are proportional to the number of bodies,
 /// independent of their size. It contains only keys and bounds; the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
 pub struct BoundsIndex<K> {
@@ -102,7 +102,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
     /// Visits each body whose rectangle a ray meets within `range` metres, once and approximately in the order along
     /// the ray. `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
     ///
-    /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
+    /// Bodies whose rectangle the ray misses by less than the rectangle's size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K) -> f64) {
         let Some(grid) = &self.grid else { return };

@@ -15,8 +15,8 @@ pub(super) fn is_usable(point: DVec2) -> bool {
     point.abs().cmple(DVec2::splat(MAX_COORDINATE)).all()
 }
 
-/// Returns true if the arguments describe a valid ray: finite origin, range not negative, direction of length 1 within
-/// 10^-6.
+/// Returns true if the arguments describe a valid ray: the origin's coordinates are at most [`MAX_COORDINATE`], the
+/// range is not negative, and the direction has length 1 within 10^-6.
 #[inline]
 pub(super) fn is_ray(origin: DVec2, direction: DVec2, range: f64) -> bool {
     // Comparisons with NaN are false.

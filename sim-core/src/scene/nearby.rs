@@ -1,4 +1,4 @@
-//! The few bodies near a point, laid out so that many rays from there find theirs quickly.
+//! A short list of the bodies near a point, in a layout in which a ray tests all of them quickly.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
@@ -9,8 +9,8 @@ use super::{Bounds, grid::is_ray};
 /// Number of bodies in a batch.
 const WIDTH: usize = 8;
 
-/// Maximum number of bodies near a point. With more bodies, walks through the cells of the index find those of a ray
-/// sooner.
+/// Maximum number of bodies near a point. With more bodies, a ray finds its bodies faster by a walk through the cells
+/// of the index.
 const CAPACITY: usize = 32;
 
 /// The bodies whose rectangles overlap a circle, for rays that stay in the circle.
@@ -69,8 +69,8 @@ impl<K: Copy> Nearby<K> {
         Bounds { min: self.centre - half, max: self.centre + half }
     }
 
-    /// Chooses the margin by which rectangles are enlarged: `margin`, and the rounding of positions in an index over
-    /// `extent` to `f32`. Returns the margin, m.
+    /// Chooses the margin by which rectangles are enlarged: at least `margin` plus the error of rounding positions in
+    /// an index over `extent` to `f32`. Returns the chosen margin, m.
     pub(super) fn set_slack(&mut self, extent: &Bounds, margin: f64) -> f64 {
         // Each of a few roundings is at most 2^-24 of the largest coordinate.
         let size = (extent.max - extent.min).max_element() + 4.0 * self.reach;
@@ -79,8 +79,8 @@ impl<K: Copy> Nearby<K> {
         f64::from(*slack)
     }
 
-    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. It returns false
-    /// if there are too many.
+    /// The function that adds a body with a rectangle relative to `origin` if it overlaps the circle. The function
+    /// returns false if the list is full.
     pub(super) fn adder(&mut self, origin: DVec2) -> impl FnMut(K, &Rectangle) -> bool {
         let shift = (origin - self.centre).as_vec2();
         let Rectangles { slack, x, y, half_x, half_y } = &mut self.rectangles;
@@ -93,8 +93,8 @@ impl<K: Copy> Nearby<K> {
             (x[index], y[index]) = (middle.x, middle.y);
             (half_x[index], half_y[index]) = (half.x, half.y);
             keys[index] = key;
-            // A rectangle outside the circle is overwritten by the next one, or tested in vain: no branch could be
-            // predicted.
+            // A rectangle outside the circle is stored too, and the next one overwrites it: the processor could not
+            // predict a branch here.
             let distance = limit + half.x + half.y;
             *len += usize::from(middle.length_squared() <= distance * distance);
             true
@@ -110,7 +110,7 @@ impl<K: Copy> Nearby<K> {
     /// Visits each body whose rectangle a ray in the circle meets within `range` metres, in no particular order.
     /// `direction` is a unit vector.
     ///
-    /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
+    /// Bodies whose rectangle the ray misses by less than the rectangle's size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K)) {
         if !is_ray(origin, direction, range) {

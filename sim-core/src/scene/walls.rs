@@ -26,7 +26,7 @@ pub struct WallHit {
     pub wall: WallId,
 }
 
-/// Number of grid cells per wall.
+/// Maximum number of grid cells per wall.
 const CELLS_PER_WALL: f64 = 0.5;
 
 /// Maximum average number of cell entries per wall; limits the cost of long walls.
@@ -124,7 +124,7 @@ impl Walls {
         Self { heights, ..self }
     }
 
-    /// Height of a wall's upper edge above the floor, m; infinite if unknown.
+    /// Height of a wall's upper edge above the floor, m; infinite if no heights were set.
     pub fn height(&self, id: WallId) -> f64 {
         self.heights.get(id.0 as usize).copied().unwrap_or(f64::INFINITY)
     }

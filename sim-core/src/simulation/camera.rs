@@ -58,7 +58,7 @@ impl Robot {
     /// Takes a grey image: see [`camera::grey`].
     ///
     /// # Errors
-    /// [`CameraError`].
+    /// [`CameraError`] if there is no image; the state is unchanged then.
     pub fn take_grey(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 1]>, CameraError> {
         let Setting { size, levels, .. } = self.camera_setting()?;
         let (exposure, picture) = self.expose(world, scenery, size)?;
@@ -73,7 +73,7 @@ impl Robot {
     /// Takes a raw image of `size` through a Bayer filter: rows of green and blue alternate with rows of red and green.
     ///
     /// # Errors
-    /// [`CameraError`].
+    /// [`CameraError`] if there is no image; the state is unchanged then.
     pub fn take_bayer(
         &mut self,
         world: &World,

@@ -160,7 +160,7 @@ impl<T> Types<T> {
     /// The type with this name.
     ///
     /// # Errors
-    /// [`Refusal::NoType`].
+    /// [`Refusal::NoType`] if no type has this name.
     pub fn find(&self, name: &str) -> Result<Arc<T>, Refusal> {
         let found = self.types.iter().find(|(known, _)| known == name).map(|(_, kind)| Arc::clone(kind));
         found.ok_or_else(|| Refusal::NoType {

@@ -1,4 +1,4 @@
-//! The nearest triangle along a ray, for meshes that are solid to sensors.
+//! Finds the nearest triangle along a ray, for the meshes that sensors detect.
 //!
 //! [`ray`] decides each hit in `f64`, from only the ray and one triangle. The tree (`binary`, `build`, `node`) and its
 //! traversal eight boxes at a time (`walk`) only cull triangles, in `f32` and with margins wider than all rounding. So
@@ -46,7 +46,7 @@ pub struct MeshHit {
 /// enters the triangle. A ray that starts on a triangle hits it at distance 0; the tolerance is 4 units in the last
 /// place (2^-52) of the coordinates involved.
 ///
-/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence
+/// Distances are exact within rounding (about 10^-15 of the mesh's extent, divided by the cosine of the incidence
 /// angle). A ray from outside the mesh's bounds is followed from the point where it enters the bounds, so a distant
 /// origin adds only the rounding of its coordinates.
 ///

@@ -33,10 +33,10 @@ pub(super) struct WallBatches {
     /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
     batches: Vec<WallBatch>,
-    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 16 units in the last
-    /// place of the largest coordinate, in a square grid 32. On each axis, the coordinate of a wall's end, the ray's
-    /// direction and the product of both contribute 1 unit each; the sums over the axes and with the ray's own position
-    /// add 4, and the comparison of two such numbers 6.
+    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers at least 16 units in
+    /// the last place of the largest coordinate (32 units in a square grid). On each axis, the coordinate of a wall's
+    /// end, the ray's direction and the product of both contribute 1 unit each; the sums over the axes and with the
+    /// ray's own position add 4, and the comparison of two such numbers 6.
     slack: f32,
 }
 

@@ -29,7 +29,7 @@ impl Clearance {
         let count = walls.len() as f64 + BASE_CELLS;
         let rounding = rounding_margin(&bounds);
         let cell_size = (size.x * size.y / count).sqrt().max((size.x + size.y) / count).max(1e6 * rounding).max(1e-9);
-        // Exceeds every rounding error; the traversal of rays uses the same margin.
+        // Exceeds every rounding error; `choose_grid` computes the margin of the walls by the same formula.
         let margin = (1e-6 * cell_size).max(rounding);
         let grid = Grid::new(bounds.grown(2.0 * margin), cell_size);
         let (columns, rows) = (grid.columns(), grid.rows());

@@ -51,7 +51,7 @@ impl Ray {
         }
     }
 
-    /// Same as [`Ray::distance`], for a wall on which the origin may lie, or of which the ray's line may touch an end.
+    /// [`Ray::distance`] for a wall on which the origin may lie, or one of whose ends the ray's line may touch.
     #[cold]
     #[inline(never)]
     fn touch_distance(&self, segment: &Segment, a: End, b: End) -> f64 {
@@ -98,8 +98,8 @@ impl Nearest {
         Self { distance: range, wall: NO_WALL }
     }
 
-    /// Records a hit at `distance` if it is the nearest, and at equal distances has the lowest number, and `accepts`
-    /// it. A negative distance means no hit.
+    /// Records a hit at `distance` if three conditions are met: no earlier hit is nearer, no earlier hit at this
+    /// distance has a lower number, and `accepts` returns true. A negative distance means no hit.
     #[inline(always)]
     pub fn offer(&mut self, wall: WallId, distance: f64, accepts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)
