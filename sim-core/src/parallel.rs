@@ -7,7 +7,7 @@ const SECTION: usize = 8;
 
 /// Threads that run loops.
 pub trait Pool {
-    /// Returns true if a loop over this number of sections is to run on several threads.
+    /// Returns true if a loop over this number of sections runs on several threads.
     fn is_parallel(&self, sections: usize) -> bool;
 
     /// Calls `act` once for each number less than `sections`, in any order and in parallel. Returns when all calls have

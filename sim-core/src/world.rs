@@ -119,7 +119,7 @@ struct Quiescence {
     until: Time,
 }
 
-/// Maximum duration of a [`Quiescence`]. It keeps the bounds of the robot in the index small.
+/// Maximum duration of a [`Quiescence`]. This limit keeps the bounds of the robot in the index small.
 const MAX_QUIESCENCE: Time = Time::from_millis(10_000);
 
 impl World {
@@ -187,7 +187,7 @@ impl World {
         &self.radio
     }
 
-    /// The channel, mutable: between two slots, messages that robots have sent are passed to it.
+    /// The channel, mutable. Between two slots, the caller passes the messages that robots have sent to the channel.
     pub fn radio_mut(&mut self) -> &mut Channel {
         &mut self.radio
     }
@@ -420,7 +420,7 @@ impl World {
 
     /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become
     /// free. `active` contains the motions that [`World::advance`] requires, in the order of ids. `observe` is called
-    /// with each motion when its contacts are resolved and the whole slot can still be queried.
+    /// with each motion once the motion's contacts are resolved, while the whole slot can still be queried.
     ///
     /// Returns false if nothing can have changed; the world has then already advanced to the next slot. Otherwise the
     /// caller must publish all [publications](World::publications) and call [`World::conclude`].

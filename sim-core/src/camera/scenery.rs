@@ -44,7 +44,7 @@ pub enum Attachment {
     Leg(RobotId, usize),
 }
 
-/// A visible part of a scene. Parts that look alike share their mesh.
+/// A visible part of a scene. Parts of equal appearance share their mesh.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Its mesh, visible from both sides.

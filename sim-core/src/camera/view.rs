@@ -45,13 +45,13 @@ pub struct View {
 /// Reason why a view is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ViewError {
-    /// The size of the image.
+    /// The size of the image is out of range.
     #[error("an image of {0} x {1} pixels, accepted: 1 to {MAX_SIDE} on either side")]
     Size(u32, u32),
-    /// The field of view.
+    /// The field of view is out of range.
     #[error("a field of view of {0} rad, accepted: above 0, below pi for a pinhole, up to 2 pi for a fisheye")]
     Field(f64),
-    /// The pose.
+    /// The pose is not finite, or its position is too far away.
     #[error("a camera's place or direction is not finite, or farther than 1e9 m away")]
     Pose,
 }

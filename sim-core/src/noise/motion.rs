@@ -3,7 +3,7 @@
 /// Noise model of a robot's drive and odometry, as defined in a profile. The default has no errors.
 ///
 /// [`Imperfection`](crate::drive::Imperfection) is this model for one robot: `left`, `right` and `diameter_sigma`
-/// become the diameter of each wheel, and the other fields are the same.
+/// become the diameters of the wheels, and the other fields are copied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionNoise {
     /// Relative excess of the diameter of the left wheels (for a car: of the driven wheels) over the nominal diameter.

@@ -23,7 +23,7 @@ impl RadioNoise {
     /// Inverts random bits of `payload`; returns their number, or `None` if the message is lost.
     ///
     /// The random numbers come from `stream`: always one for the loss first, then one for each gap between bit errors.
-    /// A change of P_p therefore does not move the bit errors.
+    /// Bit errors therefore keep their positions if P_p changes.
     pub fn garble(&self, stream: &mut Stream, payload: &mut [u8]) -> Option<u32> {
         if stream.unit() < self.packet_loss {
             return None;
@@ -93,7 +93,7 @@ mod tests {
             let mut expected = 1.0;
             for count in 0..64 {
                 let found = fraction_with_gap(count, ln_correct);
-                // The boundary lies within one interval; logarithm, quotient and product have rounding errors of some
+                // The boundary lies within one interval; logarithm, quotient and product have rounding errors of a few
                 // units in the last place.
                 assert!(
                     (found - expected).abs() < 64.0 / INTERVALS,

@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(drawn, GOLDEN_DRAWN, "{drawn:?}");
     }
 
-    /// An independent implementation of ChaCha, written from its definition in another language, gives the same values.
+    /// Source: an independent implementation of ChaCha.
     const GOLDEN_EVENTS: [u64; 9] = [
         0xa631_bd5f_95b4_d7b2,
         0x551d_90f5_eea6_9fba,

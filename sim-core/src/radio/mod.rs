@@ -80,7 +80,7 @@ pub enum Address {
     One(u32),
 }
 
-/// A message that a program has handed to its station for transmission.
+/// A message that a program has queued at its station for transmission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutgoingMessage {
     /// The sender.

@@ -122,7 +122,8 @@ impl RunDigest {
         self.pending.extend_from_slice(bytes);
     }
 
-    /// Digest after the last ended slot. Computing it takes some microseconds. Must not be called while a slot ends.
+    /// Digest after the last ended slot. Computing the digest takes a few microseconds. Must not be called while a slot
+    /// ends.
     pub fn value(&self) -> Digest {
         debug_assert!(!self.has_events, "the slot has not ended");
         let mut hasher = (*self.hasher).clone();

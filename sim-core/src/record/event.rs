@@ -117,7 +117,7 @@ events! {
     }
     /// A robot touched an obstacle.
     Contact = "contact" {
-        /// The instant, s: the event's time, rounded up to a microsecond.
+        /// Instant of the contact, s, rounded up to a microsecond; equal to the event's time.
         at_s: f64,
         /// The obstacle.
         with: Obstacle,

@@ -92,7 +92,7 @@ impl Recorder {
         self.digest.value()
     }
 
-    /// Same as [`Self::digest`]; faster if the digest is needed after each slot.
+    /// Returns [`Self::digest`]; faster than this function if the digest is needed after each slot.
     pub fn update_digest(&mut self) -> Digest {
         self.digest.update_value()
     }

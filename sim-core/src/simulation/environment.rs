@@ -101,7 +101,7 @@ impl Environment {
         }
     }
 
-    /// The record.
+    /// The recorder of the run, mutable.
     pub fn recorder(&mut self) -> &mut Recorder {
         &mut self.recorder
     }
@@ -121,7 +121,7 @@ impl Environment {
         !self.moving.is_empty()
     }
 
-    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is in
+    /// Next instant whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if no message is in
     /// transit.
     pub fn message_due(&self) -> Time {
         self.traffic.due(self.world.radio())
@@ -191,7 +191,8 @@ impl Environment {
         self.spare_motions = parallel::reuse(motions);
         let arrivals = self.traffic.deliver(robots);
         // The posture is recorded before the pose, so that a reader has the height of the body before it reads the
-        // pose. To record the posture, the published motion of all robots is needed.
+        // pose. The contacts of legs, which are recorded with the posture, depend on the published motion of all
+        // robots.
         let has_stances = self.world.has_stances();
         let next_slot_end = at + self.world.slot();
         self.is_active.clear();

@@ -61,7 +61,7 @@ impl Faults {
     }
 }
 
-/// Times at which `fault` begins, s.
+/// Instants at which `fault` begins, s.
 fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
     match fault.time {
@@ -188,7 +188,7 @@ mod tests {
     fn random_faults_occur_at_their_rate_without_overlap() {
         let radio = fault("radio", FaultTime::Random { per_minute: 2.0 }, Some(3.0));
         let times = times(std::slice::from_ref(&radio), 7);
-        // On average 30 s without the fault and 3 s with it.
+        // On average, each cycle has 30 s without the fault and 3 s with it.
         let begun = times.iter().filter(|(_, is_begin)| *is_begin).count() as f64;
         assert!((begun - 60_000.0 / 33.0).abs() < 4.0 * (60_000.0_f64 / 33.0).sqrt(), "{begun}");
         assert!(times.windows(2).all(|pair| pair[0].1 != pair[1].1), "begin and end alternate");
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn random_times_depend_only_on_seed_and_name() {
-        // Each on a robot of its own: overlapping faults of one radio would end together.
+        // Each fault acts on another robot, because overlapping faults of one radio would end together.
         let named = |name: &str| FaultSpec {
             robot: RobotId(if name == "a" { 1 } else { 2 }),
             ..fault(name, FaultTime::Random { per_minute: 1.0 }, Some(1.0))

@@ -433,7 +433,7 @@ impl Robot {
     }
 }
 
-/// Measures with a set of range sensors at an instant, for the driver of the PSD sensors.
+/// Returns a function that measures with a set of range sensors at an instant, for the driver of the PSD sensors.
 fn measure_set<'a>(
     devices: (&'a Ranges, &'a Servos, &'a Switches),
     motion: &'a mut Motion,

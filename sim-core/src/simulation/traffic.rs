@@ -94,7 +94,7 @@ impl Traffic {
         robot.finish_radio(self.end);
     }
 
-    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is in
+    /// Next instant whose slot must be run for messages even if no robot is due; [`Time::NEVER`] if no message is in
     /// transit.
     pub fn due(&self, channel: &Channel) -> Time {
         self.visible.peek().map_or(Time::NEVER, |Reverse((visible, _))| *visible).min(channel.due())

@@ -35,11 +35,12 @@ pub struct PsdSpec {
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
-    /// Origin of the beam in the robot's frame (x forward, y left, z up), in metres.
+    /// Origin of the beam in the frame of the body or link that carries the sensor (x forward, y left, z up), in
+    /// metres.
     pub position: DVec3,
-    /// Direction of the beam in the floor plane, counter-clockwise from forward, in radians.
+    /// Direction of the beam in the x-y plane of this frame, counter-clockwise from forward, in radians.
     pub angle: f64,
-    /// Angle of the beam above the floor plane of the body or link that carries it, in radians.
+    /// Angle of the beam above the x-y plane of this frame, in radians.
     pub pitch: f64,
     /// Link that carries the sensor; `None` for the body.
     pub link: Option<SpannedText>,

@@ -6,7 +6,8 @@ use crate::spec::Span;
 /// A fault of a robot, at a given instant or at random instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultSpec {
-    /// Name, unique in its scene; key of the fault's random numbers.
+    /// Name, unique in its scene; if empty, [`FaultSpec::title`] makes one. The title is the key of the fault's random
+    /// numbers.
     pub name: String,
     /// The robot.
     pub robot: RobotId,

@@ -79,7 +79,7 @@ pub struct DriveSpec {
     pub steering: Option<String>,
     /// Distance between front and rear axle in metres; unused for [`DriveKind::Differential`].
     pub wheelbase: f64,
-    /// Steering angle at the servo's ends (0 and 255), in radians; for [`DriveKind::Ackermann`].
+    /// Steering angle at the servo's positions 0 and 255, in radians; for [`DriveKind::Ackermann`].
     pub max_steer: f64,
     /// Time constant of the first-order lag between a wheel's command and its speed, in seconds; 0 for none.
     pub wheel_lag: f64,
@@ -109,7 +109,7 @@ impl Default for WheelSpec {
     }
 }
 
-/// A robot type: a `.robi` and the `.toml` beside it.
+/// A robot type: a `.robi` and its companion file, a `.toml`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobiSpec {
     /// Name of the `.robi` file; for a built-in type, the type's name.

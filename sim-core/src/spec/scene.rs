@@ -411,11 +411,11 @@ pub enum SceneFormat {
     /// Lines of a `.sim`, in which a type is loaded before it is used.
     #[default]
     Sim,
-    /// Our own format in TOML, in which the order of the sections has no meaning.
+    /// A scene in TOML, in which the order of the sections has no meaning.
     Toml,
 }
 
-/// A sim file, or a scene in our own format.
+/// Contents of a sim file, or of a scene in TOML.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimSpec {
     /// Name of the file.
@@ -439,19 +439,19 @@ pub struct SimSpec {
     pub named: Vec<RobotLine>,
     /// Markers in the order of the file.
     pub markers: Vec<MarkerSpec>,
-    /// Descriptions within the scene; only in our own format.
+    /// Descriptions within the scene; only in a scene in TOML.
     pub inline: InlineSpec,
-    /// Run options; only in our own format.
+    /// Run options; only in a scene in TOML.
     pub run: RunSpec,
-    /// Radio model; only in our own format.
+    /// Radio model; only in a scene in TOML.
     pub radio: radio::RadioModel,
-    /// Checks in the order of the file; only in our own format.
+    /// Checks in the order of the file; only in a scene in TOML.
     pub checks: Vec<CheckSpec>,
-    /// Faults in the order of the file; only in our own format.
+    /// Faults in the order of the file; only in a scene in TOML.
     pub faults: Vec<FaultSpec>,
-    /// Reachability requirements; only in our own format.
+    /// Reachability requirements; only in a scene in TOML.
     pub reachable: Vec<ReachableSpec>,
-    /// Values of the text that were drawn; only in our own format.
+    /// Values of the text that were drawn; only in a scene in TOML.
     pub drawn: Vec<Drawn>,
     /// Paths of the walls of an inline world, in the order of its walls.
     pub wall_paths: Vec<String>,
@@ -476,7 +476,7 @@ pub struct RobotSpec {
     /// has been read.
     pub noise: Option<NoiseRef>,
     /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for
-    /// lines of EyeSim VR. In our own format, it is the generation of the scene's dialect.
+    /// lines of EyeSim VR. In a scene in TOML, it is the generation of the scene's dialect.
     pub dialect: Option<u32>,
     /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,

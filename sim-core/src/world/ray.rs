@@ -204,13 +204,13 @@ impl World {
         self.caster(caster, at).cast(ray)
     }
 
-    /// Casts single rays of `robot` at the instant `at`.
+    /// A caster for single rays of `robot` at the instant `at`.
     pub fn caster(&self, robot: RobotId, at: Time) -> RayCaster<'_> {
         RayCaster { world: self, robot, at, nearby: None }
     }
 
-    /// Casts `count` rays of `robot` at the instant `at`. The rays should stay within `reach` metres of `centre`; a ray
-    /// that leaves this disc is also correct, but slower.
+    /// A caster for `count` rays of `robot` at the instant `at`. The rays should stay within `reach` metres of
+    /// `centre`; a ray that leaves this disc is also correct, but slower.
     pub fn caster_near(&self, robot: RobotId, at: Time, count: usize, centre: DVec2, reach: f64) -> RayCaster<'_> {
         let mut caster = self.caster(robot, at);
         if count >= MIN_RAYS && self.tracks.len() > 1 && reach.is_finite() {

@@ -39,7 +39,7 @@ pub(super) struct TrueMotions {
     bounds: Vec<(RobotId, Bounds)>,
     /// Index of the bounds before any contact was resolved.
     index: BoundsIndex<RobotId>,
-    /// Robots whose motion has changed so that they may leave their bounds in the index.
+    /// Robots that may leave their bounds in the index, because their motion has changed.
     strays: BTreeSet<RobotId>,
     /// Memory that is reused for vectors of references.
     spare: Vec<[usize; 2]>,
@@ -112,7 +112,7 @@ impl SlotMotion {
 /// kind are ordered by ids.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
-    /// The entry of the robot's journal with this index is applied again.
+    /// The entry with this index in the motion's list of inputs is applied again.
     Input(RobotId, usize),
     /// Two bodies touch and approach each other.
     Contact(RobotId, RobotId),
@@ -471,7 +471,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Applies an entry of the journal of a stopped or slowed body again.
+    /// Applies again an input of a body that was stopped or slowed.
     fn apply_input(&mut self, robot: RobotId, entry: usize, instant: Instant) {
         let index = self.truth.indices[robot.index()] as usize;
         let (at, input) = self.active[index].journal()[entry];
@@ -484,7 +484,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         self.update_contacts(robot, instant.seconds());
     }
 
-    /// Queues the contacts of a body again whose motion has changed from `from` seconds on.
+    /// Queues again the contacts of a body; its motion has changed from `from` seconds on.
     fn update_contacts(&mut self, robot: RobotId, from: f64) {
         self.changed.push(robot);
         let bounds = self.view().bounds_of(robot);

@@ -109,8 +109,8 @@ impl Track {
     }
 
     /// Publishes the plan of `motion`, the only robot in the world, for the slot from `since` to `until`, without
-    /// computing its passages. They are often never needed, because a command at the start of the slot replaces the
-    /// plan. Returns false, without an effect, for a plan without ticks.
+    /// computing its passages. The passages are often never needed, because a command at the start of the slot replaces
+    /// the plan. Returns false, without an effect, for a plan without ticks.
     pub fn publish_plan(&mut self, motion: &mut Motion, since: Time, until: Time) -> bool {
         let Some(plan) = motion.plan_at(since, until, &mut self.spare_plan) else { return false };
         self.drop_until(since - HISTORY);

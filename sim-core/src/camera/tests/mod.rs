@@ -208,7 +208,7 @@ fn pictures_match_the_reference_renderer() {
                     if is_inside_face(&reference.shown, column, row) {
                         let context = (seed, lens, column, row, reference.shown.pixel(column, row));
                         assert!(has_depth, "{expected_depth} m, not {found_depth}: {context:?}");
-                        // Half a colour level of rounding, and half a level of error of the renderer.
+                        // The limit allows half a colour level for rounding and half a level for the renderer's error.
                         if difference > 1.0 {
                             wrong += 1;
                             eprintln!("{expected:?}, not {found:?}: {context:?}");

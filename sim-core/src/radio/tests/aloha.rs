@@ -9,7 +9,7 @@ const ALOHA: RadioModel =
 
 /// Fraction of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval.
 /// Messages begin at random instants (Poisson), each from another robot; on average `g` messages begin in the air time
-/// of one.
+/// of one message.
 ///
 /// Outcomes of neighbouring messages are correlated, so the variance is that of the means of batches, which are much
 /// longer than the correlation.
@@ -70,7 +70,7 @@ fn collisions_are_independent_of_slot_length() {
     assert_eq!(fractions, [fractions[0]; 3]);
 }
 
-/// Robots 1 and 3 are out of each other's reach; 2 receives both.
+/// Robots 1 and 3 are out of each other's reach; robot 2 receives the messages of both.
 #[test]
 fn hidden_terminal_interferes_only_within_its_reach() {
     let mut channel = channel(ALOHA, Vec::new(), 4);
@@ -79,7 +79,8 @@ fn hidden_terminal_interferes_only_within_its_reach() {
         out_of_reach,
         ..message_from(from, 1, Address::One(to), b"hello".to_vec(), Time(at))
     };
-    // The messages from 1 to 2 and from 3 to 4 overlap. Both reach 2, which receives neither. 1 does not reach 4.
+    // The messages from robot 1 to 2 and from robot 3 to 4 overlap. Both reach robot 2, which receives neither. The
+    // message of robot 1 does not reach robot 4.
     let messages = vec![message(1, 2, 0, vec![far(3), far(4)]), message(3, 4, 500, vec![far(1)])];
     let deliveries = channel.exchange(Time::from_millis(50), messages);
     let is_received = |robot: u32| {
@@ -94,8 +95,8 @@ fn station_receives_nothing_while_it_transmits() {
     let outcome = |start_in_air_times: i64| {
         let mut channel = channel(ALOHA, Vec::new(), 3);
         let air = air_time(5, BAUD);
-        // Robot 2 sends to 3 and reaches no other robot. The message from 1 to 2 is lost only because 2 itself is
-        // transmitting.
+        // Robot 2 sends to robot 3 and reaches no other robot. The message from robot 1 to 2 is lost only because robot
+        // 2 itself is transmitting.
         let from_2 = OutgoingMessage {
             out_of_reach: vec![(RobotId(1), Loss::Sight)],
             ..message_from(2, 1, Address::One(3), b"12345".to_vec(), Time(10_000))

@@ -6,7 +6,7 @@ use accuracy::world::Random;
 use super::*;
 
 const MILLION: usize = 1_000_000;
-/// Bits of a message.
+/// Number of bits of a message.
 const BITS: usize = 256;
 
 /// Outcome of sending messages of [`BITS`] bits through a channel.
@@ -195,7 +195,7 @@ fn errors_of_receivers_senders_and_messages_are_independent() {
     let mut channel = channel(RadioModel::default(), vec![errors; 4], 4);
     let mut heard = vec![[None; 5]; COUNT as usize];
     for message in 0..COUNT {
-        // Robots 1 and 2 send to all: 3 and 4 receive both, with the same message numbers.
+        // Robots 1 and 2 send to all stations. Robots 3 and 4 receive the messages of both, with equal message numbers.
         let broadcast = |from| message_from(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
         for delivery in channel.exchange(Time::ZERO, vec![broadcast(1), broadcast(2)]) {
             let index = match (delivery.from.0, delivery.to.0) {

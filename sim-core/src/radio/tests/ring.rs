@@ -91,7 +91,7 @@ fn idle_ring_skips_rounds_and_has_the_right_holder() {
         let passes = (later.0 - first_token(members.into()).0).div_euclid(frame_time().0);
         let messages = (1..=members).map(|from| message_for_token(from, 1, Address::All, 0, later)).collect();
         let mut deliveries = channel.exchange(later + SLOT, messages);
-        // One delivery of each broadcast.
+        // Keeps one delivery of each broadcast.
         deliveries.retain(|delivery| delivery.to.0 == if delivery.from.0 == 1 { 2.min(members) } else { 1 });
         let first = deliveries.iter().min_by_key(|delivery| delivery.arrives).expect("there are messages");
         let holder = (passes + 1) % i64::from(members) + 1;

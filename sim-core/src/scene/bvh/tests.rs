@@ -323,8 +323,8 @@ fn a_ray_that_starts_on_a_surface_hits_it_at_once() {
                 let direction = unit_vector(&mut random);
                 let hit = cast(&levels, a + u * (b - a) + v * (c - a), direction, 9.0);
                 let distance = hit.map(|hit| hit.distance);
-                // If rounding puts the origin above the surface, the distance is its height over the cosine of
-                // incidence.
+                // If rounding puts the origin above the surface, the distance is the origin's height divided by the
+                // cosine of the incidence angle.
                 assert!(distance.is_some_and(|metres| metres < 1e-9 * reach), "{distance:?} towards {direction}")
             }
         }

@@ -187,7 +187,7 @@ mod tests {
                 let clearance = field.clearance(ends, 5.0);
                 if gap <= 0.0 {
                     below += 1;
-                    // Samples are 0.15 mm apart, where the ground rises by up to some tens of metres per metre; steps
+                    // Samples are 0.15 mm apart, and the ground rises by up to a few tens of metres per metre; steps
                     // are sampled exactly.
                     assert!(clearance <= gap + 1e-12 && clearance > gap - 0.02, "{clearance} against {gap}");
                 } else if clearance > 0.0 {

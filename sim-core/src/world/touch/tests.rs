@@ -55,7 +55,7 @@ fn capsule_touches_walls_up_to_their_heights() {
     assert_eq!(upright(0.949, 0.1), []);
     assert_eq!(upright(1.0, 0.349), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0, 0.351), []);
-    // Beyond the upper edge, at 45 degrees.
+    // The capsule lies beyond the upper edge, at 45 degrees.
     let offset = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
     assert_eq!(upright(1.0 - offset + 1e-6, 0.3 + offset), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0 - offset - 1e-6, 0.3 + offset), []);
