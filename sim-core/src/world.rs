@@ -47,9 +47,9 @@ use track::Track;
 pub struct Contact {
     /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
-    /// Robot whose body was stopped.
+    /// Robot whose body met the obstacle.
     pub robot: RobotId,
-    /// Obstacle that stopped the body.
+    /// The obstacle.
     pub with: Thing,
     /// Point of contact in the world frame, in metres.
     pub point: DVec2,
@@ -82,7 +82,7 @@ pub struct World {
     /// Index of the moving bodies, by the bounds of their published motion from 100 ms before the present slot to its
     /// end.
     moving: BoundsIndex<RobotId>,
-    /// Index of the bodies at rest, by their bounds.
+    /// Index of the bodies whose centres are at rest, by their bounds.
     resting: BoundsIndex<RobotId>,
     /// For each robot, true if its body is in the index `resting` and its [track](Track::is_resting) has not changed
     /// since the body was added.

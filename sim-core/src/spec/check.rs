@@ -82,7 +82,7 @@ pub enum CheckKind {
         /// Ends of the gate. A passage from the right to the left of the line from the first end to the second adds 1;
         /// an opposite passage subtracts 1.
         gate: [DVec2; 2],
-        /// Smallest number of passages.
+        /// Minimum number of passages.
         min: u64,
         /// Time by which the passages must be complete.
         by: Option<Time>,
@@ -91,7 +91,7 @@ pub enum CheckKind {
     Clearance {
         /// The robot.
         robot: RobotId,
-        /// Smallest gap.
+        /// Minimum gap.
         min: f64,
         /// Bodies to which the gap is measured.
         to: Neighbours,
@@ -102,7 +102,7 @@ pub enum CheckKind {
         robot: RobotId,
         /// Minimum and maximum gap between body and wall.
         gap: [f64; 2],
-        /// Smallest fraction of the length of the path, 0 to 1.
+        /// Minimum fraction of the length of the path, 0 to 1.
         share: f64,
     },
     /// A tool of this `width`, at the centre of each robot, covers a fraction of an area.
@@ -115,7 +115,7 @@ pub enum CheckKind {
         area: Option<Vec<DVec2>>,
         /// Side of the squares into which the area is divided; a square is covered if its middle is covered.
         cell: f64,
-        /// Smallest fraction of the squares, 0 to 1.
+        /// Minimum fraction of the squares, 0 to 1.
         share: f64,
         /// Time by which this fraction must be reached.
         by: Option<Time>,

@@ -173,7 +173,7 @@ pub enum Layout {
 pub struct Scatter {
     /// Lower left and upper right corner of the rectangle that contains the bodies; `None` for the floor.
     pub area: Option<[DVec2; 2]>,
-    /// Smallest distance from walls and other bodies.
+    /// Minimum distance from walls and other bodies.
     pub clearance: f64,
     /// Heading of all bodies; `None` for random headings.
     pub heading: Option<f64>,

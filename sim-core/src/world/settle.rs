@@ -52,14 +52,14 @@ pub(super) struct SlotMotion {
     passages: Passages,
     /// Bounds of the body before any contact was resolved.
     bounds: Bounds,
-    /// True if the body moves.
+    /// True if the centre of the body moves.
     is_moving: bool,
     /// True if a robot blocks the body.
     is_blocked: bool,
     /// The impacts of the slot, if the motion has been committed already.
     pub impacts: Option<Vec<Impact>>,
-    /// Bounds of the motion published at the end of the slot, and true if the body is at rest; `None` if these bounds
-    /// have not been computed.
+    /// Bounds of the motion published at the end of the slot, and true if the body's centre is at rest; `None` if these
+    /// bounds have not been computed.
     pub published: Option<(Bounds, bool)>,
 }
 

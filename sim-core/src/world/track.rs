@@ -53,7 +53,7 @@ pub(super) struct Track {
     revision: u64,
     /// Bounds of the body over the published history and the present slot.
     bounds: Bounds,
-    /// True if the body has been at rest throughout the published history.
+    /// True if the body's centre has been at rest throughout the published history; the body may turn.
     is_resting: bool,
     /// Spare memory for the next plan.
     spare_plan: Option<Box<Motion>>,
@@ -169,7 +169,8 @@ impl Track {
         self.is_resting = false;
     }
 
-    /// Returns true if the body was at rest at the last [`Track::refresh`] and nothing has been published since.
+    /// Returns true if the body's centre was at rest at the last [`Track::refresh`] and nothing has been published
+    /// since.
     pub fn is_resting(&self) -> bool {
         self.is_resting
     }
