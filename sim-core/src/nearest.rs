@@ -3,8 +3,8 @@
 /// The keyword nearest to `word` in edit distance; `None` if no keyword is near enough to be a plausible correction.
 pub fn nearest<'k>(word: &str, keywords: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     let word = word.to_lowercase();
-    // All keywords have at most 40 characters, so a longer word is not a misspelling. Computing the distance of a long
-    // word would take quadratic time.
+    // A longer word gets no suggestion: keywords are shorter, and the time to compute a distance grows with the length
+    // of the word.
     if word.chars().count() > 40 {
         return None;
     }

@@ -38,9 +38,9 @@ pub struct PsdSpec {
     /// Origin of the beam in the frame of the body or link that carries the sensor (x forward, y left, z up), in
     /// metres.
     pub position: DVec3,
-    /// Direction of the beam in the x-y plane of this frame, counter-clockwise from forward, in radians.
+    /// Direction of the beam in the x-y plane of the frame of `position`, counter-clockwise from forward, in radians.
     pub angle: f64,
-    /// Angle of the beam above the x-y plane of this frame, in radians.
+    /// Angle of the beam above the x-y plane of the frame of `position`, in radians.
     pub pitch: f64,
     /// Link that carries the sensor; `None` for the body.
     pub link: Option<SpannedText>,

@@ -173,7 +173,7 @@ impl World {
         wall.map(Thing::Wall).or_else(|| robot().map(Thing::Robot)).or_else(|| object().map(Thing::Object))
     }
 
-    /// The first side of the thick wall that contains `point`. If a fixed body contains it, the first wall of all
+    /// The first side of the thick wall that contains `point`. If a fixed body contains `point`, the first wall of all
     /// outlines; `None` if there is no such wall or body.
     fn surrounding_wall(&self, point: DVec2) -> Option<WallId> {
         let space = &self.indexed_space.space;
