@@ -49,8 +49,8 @@ const MAX_CELLS_ACROSS: f64 = 16384.0;
 /// - a ray that crosses a wall or touches one of its ends hits the wall. No ray slips through a shared corner, because
 ///   the side of the ray on which the corner lies is the same value for both walls;
 /// - a ray along a wall, touching both ends, hits the nearer end;
-/// - a ray that starts on a wall hits it at distance 0 in every direction. An origin is on the wall if its distance from
-///   the wall is at most 8 such units of the sum of the wall's length and the origin's coordinates.
+/// - a ray that starts on a wall hits it at distance 0 in every direction. An origin is on the wall if its distance
+///   from the wall is at most 8 such units of the sum of the wall's length and the origin's coordinates.
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
