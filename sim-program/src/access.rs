@@ -72,7 +72,7 @@ fn words(code: &str) -> impl Iterator<Item = &str> {
     code.split(|c| !is_name(c)).filter(|word| word.starts_with(|c: char| c.is_alphabetic() || c == '_'))
 }
 
-/// Returns true if a line of code contains `name =`.
+/// Returns true if a line of code assigns to the variable `name` with `=`.
 fn assigns(code: &str, name: &str) -> bool {
     code.match_indices(name).any(|(offset, _)| {
         let value = code[offset + name.len()..].trim_start().strip_prefix('=');

@@ -1,4 +1,4 @@
-//! Finds the C and C++ files beside a program that define what it uses and does not define.
+//! Finds the C and C++ files beside a program, with the names that each file defines.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -19,7 +19,7 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct FileBeside {
     /// The file's name.
     pub name: String,
-    /// It has a `main`, so it is a program of its own.
+    /// The file defines `main`, so it is a program of its own.
     pub is_program: bool,
     definitions: BTreeSet<String>,
 }

@@ -5,14 +5,17 @@ use super::code::{begins_function, code_only};
 /// A `{` whose `}` has not been found yet.
 struct OpenBrace<'a> {
     line: usize,
-    /// Blanks before its statement.
+    /// Indentation of the statement to which the brace belongs.
     indent: &'a str,
     /// The brace belongs to a namespace, a class or `extern "C"`, in which functions may begin in the first column.
     may_contain_functions: bool,
 }
 
-/// Returns the line, from 1, of the `{` that has no `}`, if the indentation shows it: a `}` at the start of a line
-/// would close a `{` that is indented further, or a function begins in the first column inside another function.
+/// Returns the line, from 1, of the `{` that has no `}`, if the indentation shows it.
+///
+/// The indentation shows it in three cases: a `}` at the start of a line would close a `{` that is indented further; a
+/// function begins in the first column inside another function; or the line after the last open `{` is indented further
+/// than this `{`. Returns `None` for a source with `#else` or `#elif`, whose branches may open the same block twice.
 pub fn unclosed_brace(text: &str) -> Option<usize> {
     if text.contains("#else") || text.contains("#elif") {
         return None;

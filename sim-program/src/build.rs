@@ -191,7 +191,7 @@ impl Builder {
         Self { observer: Some(observer), ..self }
     }
 
-    /// Removes the observer and the threads that it may have.
+    /// Drops the observer, and so the threads that it may have.
     pub fn remove_observer(&mut self) {
         self.observer = None;
     }
@@ -312,7 +312,7 @@ impl Builder {
             compiled,
             choice: Some(choice.clone()),
         };
-        // If a source is saved while the compiler reads it, it is compiled again: the key must match the contents read.
+        // A file saved during the compilation is compiled again: the key must match the contents that were read.
         let mut attempts = 0;
         loop {
             attempts += 1;

@@ -1,7 +1,8 @@
 //! Cache folder of built programs, shared by concurrent runs.
 //!
-//! An entry is a folder that one atomic rename puts in place. It is checked against its digest when it is used, and
-//! built again if it is broken. Once a day a build removes the entries that were not used for [`KEEP`].
+//! An entry is a folder that one atomic rename puts in place. Each use of an entry checks its library against the
+//! stored digest; a broken entry is built again. Once a day a build removes the entries that were not used for
+//! [`KEEP`].
 
 use std::fs;
 use std::io;
@@ -36,7 +37,7 @@ pub struct Cache {
 pub struct CacheEntry {
     /// The shared library, or the object file of a shim.
     pub library: PathBuf,
-    /// Output of the compiler (warnings), unchanged.
+    /// Output of the build as given to [`Cache::insert`]: warnings and remarks.
     pub output: String,
 }
 
@@ -230,7 +231,7 @@ fn paths_in(folder: &Path) -> impl Iterator<Item = PathBuf> {
     fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
 }
 
-/// Time since the last change of `path`; `None` if it does not exist or lies in the future.
+/// Time since the last change of `path`; `None` if `path` does not exist or the change lies in the future.
 fn age(path: &Path) -> Option<Duration> {
     SystemTime::now().duration_since(fs::metadata(path).ok()?.modified().ok()?).ok()
 }
@@ -240,7 +241,8 @@ fn mark_used(path: &Path) {
     let _ = fs::File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// A folder in the temporary folder that only this user can write to: its files are loaded and run.
+/// Creates a folder in the system's temporary folder. Only this user can write to the created folder, since its files
+/// are loaded and run.
 fn private_temporary_folder() -> io::Result<PathBuf> {
     use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
     // SAFETY: geteuid reads a number of this process, takes no argument and cannot fail.

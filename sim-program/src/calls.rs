@@ -1,5 +1,5 @@
-//! Scans a C or C++ source for the functions and constants that it uses, to choose the header that it needs before it
-//! is compiled.
+//! Scans a C or C++ source for the functions and constants that it uses. The result determines the headers with which
+//! the source is compiled.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -36,15 +36,15 @@ pub enum CargoError {
         /// Reason why it does not start.
         error: io::Error,
     },
-    /// cargo does not end.
+    /// cargo does not end within the time limit.
     #[error("the Rust program in `{}` does not build: cargo ran too long: {error}", folder.display())]
     Endless {
         /// The package's folder.
         folder: PathBuf,
-        /// The limit.
+        /// The error with the time limit.
         error: io::Error,
     },
-    /// cargo ends with an error; its messages follow unchanged.
+    /// cargo ends with an error; our hints precede its messages, from which progress messages are removed.
     #[error("{}the Rust program in `{}` does not build:\n{output}", in_plain_words(output), folder.display())]
     Refused {
         /// The package's folder.
@@ -61,7 +61,7 @@ pub enum CargoError {
         /// The package's folder.
         folder: PathBuf,
     },
-    /// The folder for cargo's output cannot be created.
+    /// A file or folder of the build cannot be found, created, read or written.
     #[error("cannot make a folder for the build of `{}`: {error}", folder.display())]
     Io {
         /// The package's folder.
@@ -78,9 +78,9 @@ const FOREIGN_VARIABLES: &[&str] =
 
 /// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder is in `cache`. There is one for each workspace, and one for all packages outside of workspaces,
-/// which share their dependencies there. So it is never a folder that a `cargo run` or `cargo test` around this process
-/// may have locked.
+/// The target folder is in `cache`: one for the members of each workspace, and one for all packages that are the root
+/// of their workspace or belong to none; these packages share their built dependencies. So a `cargo run` or
+/// `cargo test` that runs this process never holds the lock of the target folder.
 ///
 /// # Errors
 /// [`CargoError`].

@@ -6,7 +6,7 @@ pub const TYPES: [&str; 8] = ["void", "int", "double", "float", "char", "long", 
 /// Replaces each byte of comments and literals in `text` by a blank, quotes included; line numbers and byte offsets are
 /// preserved.
 ///
-/// A literal ends at the end of its line at the latest. Back-slashes at the ends of lines continue comments.
+/// A literal ends at the end of its line at the latest. Backslashes at the ends of lines continue comments.
 pub fn code_only(text: &str) -> String {
     let mut code = String::with_capacity(text.len());
     let mut rest = text;
@@ -51,7 +51,7 @@ pub fn is_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
-/// End of a `//` comment, as a byte offset; a back-slash at the end of a line continues the comment on the next line.
+/// End of a `//` comment, as a byte offset; a backslash at the end of a line continues the comment on the next line.
 fn line_end(text: &str) -> usize {
     let mut offset = 0;
     while let Some(end) = text[offset..].find('\n') {

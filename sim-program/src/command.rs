@@ -57,8 +57,8 @@ pub fn start_spawner() -> io::Result<()> {
 }
 
 /// Starts a process on a dedicated thread. This thread lives as long as this process, since the kernel may kill a child
-/// when the thread that started it ends. It is not a thread of a robot program, since a child would inherit its
-/// restrictions.
+/// when the thread that started it ends. It is not a thread of a robot program: a child inherits the
+/// restrictions of the thread that starts it.
 ///
 /// # Errors
 /// The command cannot be started.
@@ -73,8 +73,8 @@ pub fn spawn(command: Command) -> io::Result<Child> {
 /// The user has interrupted this process.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Kills all commands of this process, also those that start later, with all processes that they have started.
-/// Async-signal-safe.
+/// Requests that all commands of this process, also those that start later, be killed with all processes that they have
+/// started. The threads that wait for the commands kill them. Async-signal-safe.
 pub fn interrupt() {
     IS_INTERRUPTED.store(true, Ordering::Release);
 }
@@ -199,8 +199,8 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     }
 }
 
-/// Starts a thread that reads a stream to its end, so that the other stream cannot block, or until it has more than
-/// `max_bytes` bytes.
+/// Starts a thread that reads a stream to its end, but stops after more than `max_bytes` bytes. With a thread for each
+/// stream, a full pipe of one stream does not block the command.
 fn start_reader(
     stream: Option<impl Read + Send + 'static>,
     max_bytes: usize,

@@ -63,7 +63,7 @@ impl ShimKit {
     }
 }
 
-/// Selection of the kit for building a program.
+/// Selects the kit with which a program is built.
 #[derive(Clone, Debug)]
 pub enum Kits {
     /// The kit of the program's generation.
@@ -120,18 +120,18 @@ pub struct Compilation<'a> {
 pub struct Compiled {
     /// The library, in the folder of the compilation.
     pub library: PathBuf,
-    /// The compiler's warnings.
+    /// The compiler's warnings, with our remarks and explanations.
     pub output: String,
     /// Absolute paths of all files that the compiler has read: the sources and their headers.
     pub read_files: Vec<PathBuf>,
-    /// The executed commands, one per line.
+    /// Commands of the build, one per line: those that ran, and those of shims that the cache already holds.
     pub commands: String,
 }
 
 /// Sources that cannot be compiled or linked.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
-    /// The compiler refuses a source; its messages follow unchanged after our hints.
+    /// The compiler refuses a source; our hints precede its messages, from which harmless warnings are removed.
     #[error("{hints}`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
     Refused {
         /// The source.
@@ -181,7 +181,8 @@ impl<'a> Compilation<'a> {
     /// that `__FILE__` is independent of the working folder.
     ///
     /// # Errors
-    /// [`CompileError`] of the first attempt.
+    /// [`CompileError`] of the first variant that the compiler accepts but the linker does not; if the compiler refuses
+    /// all variants, of the first attempt.
     pub fn run(&self) -> Result<Compiled, CompileError> {
         let hidden = self.hidden_headers();
         let first_attempt = self.try_run(&CompileVariant { hidden: &hidden, ..CompileVariant::default() });
@@ -449,7 +450,7 @@ impl<'a> Compilation<'a> {
             command.arg("-include").arg(header);
         }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
-        // The compiler takes `MAIN.C` for C++.
+        // By its extension, the compiler would take `MAIN.C` for C++.
         let language = if Language::of(source) == Some(Language::Cpp) { "c++" } else { "c" };
         command.args(["-x", language, "-c"]).arg(self.name_in_source_folder(source)).arg("-o").arg(object);
         let output = self
@@ -584,7 +585,7 @@ fn is_link_flag(flag: &str) -> bool {
     ["-l", "-L", "-Wl,"].iter().any(|beginning| flag.starts_with(beginning))
 }
 
-/// The first lines of a compiler's messages: a file that is no text causes thousands.
+/// The first lines of a compiler's messages: a source that is not a text file causes thousands of lines.
 fn beginning(messages: &str) -> String {
     const MAX_BYTES: usize = 32 << 10;
     let mut len = 0;
@@ -613,7 +614,7 @@ impl From<io::Error> for Failure {
 }
 
 impl Compiled {
-    /// Logs a command whose result is used.
+    /// Appends `command` to the commands of the build.
     fn log_command(&mut self, command: &Command) {
         self.commands.push_str(&shell_text(command));
         self.commands.push('\n');

@@ -99,7 +99,7 @@ pub struct Compiler {
 /// Reasons why no compiler of a language can be used.
 #[derive(Debug, thiserror::Error)]
 pub enum CompilerError {
-    /// The language's variable is not set and none of the usual names is on the search path.
+    /// The language's variable is not set and none of the usual commands runs.
     #[error(
         "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`{}), or set ${} to its name",
         language.name(), hint::quoted(language.commands()), language.packages(), host_install_hint(), language.variable()
@@ -167,9 +167,10 @@ fn host_install_hint() -> String {
 
 impl Compiler {
     /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain
-    /// arguments), otherwise the first of its [usual commands](Language::commands), otherwise the zig of the [host].
+    /// arguments), otherwise the first of the language's [usual commands](Language::commands) that runs, otherwise the
+    /// zig of the [host].
     ///
-    /// The optional flags that it supports are determined once and stored in `cache`.
+    /// The optional flags that the compiler supports are determined once and stored in `cache`.
     ///
     /// # Errors
     /// [`CompilerError`] if there is no compiler or it does not work.
@@ -198,7 +199,7 @@ impl Compiler {
         self.language
     }
 
-    /// Its command and its version, for the user.
+    /// The compiler's command and version, for the user.
     pub fn description(&self) -> String {
         let version = self.version.lines().next().unwrap_or_default();
         format!("{} ({})", self.command.join(" "), version.trim())
@@ -338,7 +339,8 @@ impl Compiler {
     }
 }
 
-/// The first command that prints its version, of the usual commands of `language` and `zig`, with that version.
+/// Tries the usual commands of `language`, then `zig`; returns the first command that prints its version, and this
+/// version.
 fn first_working(
     language: Language,
     zig: Option<&Vec<String>>,
@@ -420,7 +422,8 @@ pub(super) fn tool_folders(program: &Path) -> Vec<PathBuf> {
     std::iter::once(folder.to_owned()).chain(beside).collect()
 }
 
-/// The path of the command `name` on the search path, with links resolved; `None` if no file there can be executed.
+/// The path of the command `name`, with links resolved: a name with a `/` is itself a path; other names are searched on
+/// the search path. `None` if there is no such executable file.
 pub(super) fn which(name: &str) -> Option<std::path::PathBuf> {
     if name.contains('/') {
         return std::fs::canonicalize(name).ok();

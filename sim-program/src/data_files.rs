@@ -1,4 +1,4 @@
-//! Remarks on data files in the folder of a program: programs open files in the working folder instead.
+//! Finds data files that lie in the folder of a program, although the program opens files in the working folder.
 
 use std::path::{Path, PathBuf};
 

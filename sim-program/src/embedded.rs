@@ -43,7 +43,7 @@ pub enum EmbeddedEnd {
     Overdue(String),
 }
 
-/// A program as scenes and options refer to it. Programs with the same reference are equal.
+/// A program that scenes and options name by a reference. Programs with the same reference are equal.
 #[derive(Clone)]
 pub struct EmbeddedProgram {
     /// Reference that scenes use instead of a file name, unique in a run: `drive()`.

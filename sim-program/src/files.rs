@@ -34,16 +34,16 @@ pub fn use_home(home: &Path) {
 #[derive(Clone, Debug, Default)]
 pub struct DiskFiles {
     home: Option<String>,
-    /// Paths of files whose real names are not valid text or contain back-slashes.
+    /// Paths of files whose real names are not valid text or contain backslashes.
     real_paths: BTreeMap<String, PathBuf>,
     /// Files whose texts the caller supplies.
     texts: BTreeMap<String, String>,
 }
 
 impl DiskFiles {
-    /// Files with the first of these installations: the one that [`HOME_VARIABLE`] names; the one of the [host]; the
-    /// folder above the running binary that contains `worlds` and `robis`; the checkout that the binary was built from,
-    /// if it still exists.
+    /// Files with the first of these installations: the one that [`use_home`] has set; the one that [`HOME_VARIABLE`]
+    /// names; the one of the [host]; the folder above the running binary that contains `worlds` and `robis`; the
+    /// checkout that the binary was built from, if it still exists.
     pub fn of_environment() -> Self {
         if let Some(home) = ARCHIVE_HOME.get() {
             return Self::with_home(home);

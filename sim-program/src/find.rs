@@ -1,4 +1,5 @@
-//! Finds the program that a sim file or the command line names: a library, C or C++ sources, or a Cargo package.
+//! Finds the program that a sim file or the command line names: a library, C or C++ sources, a Cargo package, a Python
+//! file, or code of the embedding process.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -55,7 +56,8 @@ impl ProgramSource {
         Self::Sources { files, hint: GenerationHint::default() }
     }
 
-    /// The path that represents the program in messages: the library, the first source, or the package's folder.
+    /// The path that represents the program in messages: the library, the first source, the package's folder, the Python
+    /// file, or the reference of an embedded program.
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
@@ -149,12 +151,14 @@ fn quoted(names: &[String]) -> String {
 
 /// Finds the program that `reference` names.
 ///
-/// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`),
-/// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
-/// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
-/// sources from which a `Makefile` beside it builds it, then the sources and libraries of the same name in its folder.
-/// If nothing is found, paths through folders are searched below the sim file's folder, as those of worlds are, and
-/// then all names without regard to upper and lower case.
+/// `reference` names an embedded program, or is a path to a shared library, a Python file, a C or C++ file, several C or
+/// C++ files separated by commas (`main.cpp,map.c`), a folder of such files, or the folder of a Cargo package (or its
+/// `Cargo.toml`). Backslashes separate folders too, and `%sim%` is the installation.
+///
+/// In each folder of the [`SearchPath`], the name itself is tried first, then the sources from which a `Makefile` beside
+/// the named file builds it, then the sources and libraries of the same name in this file's folder. If no folder has
+/// such a program, sources with a further extension `.txt` are tried. If these do not exist either, the path is searched
+/// below the sim file's folder, like the paths of worlds, and then all names without regard to upper and lower case.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.
@@ -439,8 +443,8 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 }
 
 /// Paths of sources and libraries that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
-/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty unless programs of other systems have the extension of
-/// `path`.
+/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if `path` has an extension other than those of programs,
+/// libraries and object files.
 fn replacement_paths(path: &Path) -> Vec<PathBuf> {
     const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|extension| has_extension(path, extension));
@@ -456,7 +460,7 @@ fn replacement_paths(path: &Path) -> Vec<PathBuf> {
     if stem != path && !has_extension(path, "so") {
         paths.push(stem.with_added_extension("so"));
     }
-    // A Rust library is `libmaze.so`, its package `maze`.
+    // `libmaze.so` is not tried: the Cargo package `maze`, from which it is built, is.
     paths
 }
 
@@ -499,8 +503,8 @@ fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
     files.filter(|files| !files.is_empty())
 }
 
-/// The path that differs from `path`, which does not exist, only in upper and lower case of its names, or of the name
-/// of a program that may replace it; `None` if there is no such path.
+/// An existing path that matches the missing `path` without regard to upper and lower case, or that differs from such a
+/// match only in the extension and may replace the program `path`; `None` if there is no such path.
 fn in_other_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     let mut components = path.components().peekable();
@@ -533,7 +537,8 @@ fn in_other_case(path: &Path) -> Option<PathBuf> {
     (found != path).then_some(found)
 }
 
-/// Description of a source in another language than C and C++, by its extension; completes "it is ...".
+/// Description of a Rust source or a header, neither of which is a program itself; completes "it is ...". `None` for
+/// other extensions.
 fn other_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {

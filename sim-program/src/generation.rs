@@ -113,7 +113,7 @@ const TYPES_OF_6: &[&str] = &[
     "radPerSec",
 ];
 
-/// Variables and some constants of the header of RoBIOS-7, and the header's name for C++.
+/// Variables and some constants of the header of RoBIOS-7, and the name of its header for C++.
 const TYPES_OF_7: &[&str] = &[
     CPP_HEADER,
     "CAMHEIGHT",
@@ -170,7 +170,7 @@ pub struct GenerationHint {
     /// Set by `--api` or the scene: overrides everything else.
     pub api: Option<Generation>,
     /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not determine
-    /// it.
+    /// the generation.
     pub dialect: Option<Generation>,
 }
 
@@ -396,8 +396,8 @@ struct Statement {
     declaration: Option<String>,
 }
 
-/// Advice for a program that calls functions of both generations: how to convert it to one of them, preferably by
-/// changing fewer calls.
+/// Advice on how to convert a program that calls functions of both generations to a single one, if possible to the
+/// generation for which fewer calls change.
 fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
     let codes: Vec<String> = sources.iter().filter_map(|source| code_of(source)).collect();
     let changed: Vec<_> =
@@ -656,7 +656,7 @@ fn file_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Returns true if the file is a header of RoBIOS itself, of any year: it declares RoBIOS functions or defines many of
+/// Returns true if the file is a header of RoBIOS itself, of any version: it declares RoBIOS functions or defines many of
 /// the constants, and does not wrap another header.
 pub fn is_robios_header(path: &Path) -> bool {
     const MIN_CONSTANTS: usize = 8;

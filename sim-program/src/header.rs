@@ -56,7 +56,9 @@ pub fn nearby_hint(missing: &str, source: &Path) -> Option<String> {
     Some(format!(": there is no `{missing}`, but `{found}`: write `#include \"{found}\"`{reason}"))
 }
 
-/// The path relative to `root` of a file `name` in it or below it, in any case; the nearest one, and the first by name.
+/// Searches for a file `name`, in any case, in `root` and the folders below it. Returns the path relative to `root`;
+/// among several files, of the nearest one, and at equal depth of the first by name. `None` also if there are more than
+/// [`MAX_ENTRIES`] files and folders to visit.
 fn find_below(root: &Path, name: &str) -> Option<String> {
     let mut visited = 0;
     // Paths of folders relative to `root`, with a slash at the end.

@@ -131,7 +131,7 @@ fn undeclared_hint(output: &str, text: &str, generation: Generation) -> Option<S
 /// Beginning of the message about a program that does not include the header of RoBIOS.
 pub const MISSING_HEADER: &str = "`#include \"eyebot.h\"` is missing";
 
-/// Hint on typographic quotes that the compiler reports, with their line.
+/// Hint on the first typographic quote, with its line, if the compiler reports such characters.
 fn quote_hint(output: &str, text: &str) -> Option<String> {
     const QUOTES: [char; 6] = ['\u{201C}', '\u{201D}', '\u{201E}', '\u{2018}', '\u{2019}', '\u{201A}'];
     let is_stray = |line: &str| {
@@ -253,7 +253,7 @@ fn beside_hints(undefined: &mut Vec<Undefined>, objects: &[(&Path, PathBuf)], ge
     hints
 }
 
-/// The names of the symbols in back-quotes, the first five of them.
+/// The names of the first five symbols in backquotes, and the number of the others.
 fn quoted_names(symbols: &[Undefined]) -> String {
     const MAX_NAMES: usize = 5;
     let names: Vec<&String> = symbols.iter().take(MAX_NAMES).map(|symbol| &symbol.name).collect();
@@ -290,7 +290,7 @@ fn missing_main_hint(files: &[Symbols], objects: &[(&Path, PathBuf)]) -> String 
     }
 }
 
-/// The names in back-quotes, separated by commas.
+/// The names in backquotes, separated by commas.
 pub fn quoted(names: &[impl AsRef<str>]) -> String {
     names.iter().map(|name| format!("`{}`", name.as_ref())).collect::<Vec<_>>().join(", ")
 }
@@ -361,7 +361,8 @@ struct Undefined {
     place: Option<String>,
 }
 
-/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation.
+/// Hints on undefined symbols except `main`: a line for each, but a single line for all functions of the other
+/// generation.
 /// `defined` are the functions of the program.
 fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generation) -> String {
     let other = generation.other();
