@@ -56,8 +56,8 @@ impl ProgramSource {
         Self::Sources { files, hint: GenerationHint::default() }
     }
 
-    /// The path that represents the program in messages: the library, the first source, the package's folder, the Python
-    /// file, or the reference of an embedded program.
+    /// The path that represents the program in messages: the library, the first source, the package's folder, the
+    /// Python file, or the reference of an embedded program.
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
@@ -151,14 +151,15 @@ fn quoted(names: &[String]) -> String {
 
 /// Finds the program that `reference` names.
 ///
-/// `reference` names an embedded program, or is a path to a shared library, a Python file, a C or C++ file, several C or
-/// C++ files separated by commas (`main.cpp,map.c`), a folder of such files, or the folder of a Cargo package (or its
+/// `reference` names an embedded program, or is a path to a shared library, a Python file, a C or C++ file, several C
+/// or C++ files separated by commas (`main.cpp,map.c`), a folder of such files, or the folder of a Cargo package (or its
 /// `Cargo.toml`). Backslashes separate folders too, and `%sim%` is the installation.
 ///
-/// In each folder of the [`SearchPath`], the name itself is tried first, then the sources from which a `Makefile` beside
-/// the named file builds it, then the sources and libraries of the same name in this file's folder. If no folder has
-/// such a program, sources with a further extension `.txt` are tried. If these do not exist either, the path is searched
-/// below the sim file's folder, like the paths of worlds, and then all names without regard to upper and lower case.
+/// In each folder of the [`SearchPath`], the name itself is tried first, then the sources from which a `Makefile`
+/// beside the named file builds it, then the sources and libraries of the same name in this file's folder. If no folder
+/// has such a program, sources with a further extension `.txt` are tried. If these do not exist either, the path is
+/// searched below the sim file's folder, like the paths of worlds, and then all names without regard to upper and lower
+/// case.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.

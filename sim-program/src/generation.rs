@@ -135,7 +135,7 @@ const SIZE_SUFFIXES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col",
 /// Alternative names of functions of RoBIOS 6. Source: `include/robios6/variants.h`.
 const VARIANTS_OF_6: &[&str] = &["VWDriveReady"];
 
-/// Functions of older headers of RoBIOS-7, which call other functions of the list. Source:
+/// Functions of older headers of RoBIOS-7, which newer headers replace by other functions. Source:
 /// `include/robios7/variants.h`.
 const VARIANTS_OF_7: &[&str] = &[
     "LCDGetList",
@@ -656,8 +656,8 @@ fn file_name(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Returns true if the file is a header of RoBIOS itself, of any version: it declares RoBIOS functions or defines many of
-/// the constants, and does not wrap another header.
+/// Returns true if the file is a header of RoBIOS itself, of any version: it declares RoBIOS functions or defines many
+/// of the constants, and does not wrap another header.
 pub fn is_robios_header(path: &Path) -> bool {
     const MIN_CONSTANTS: usize = 8;
     let Ok(bytes) = read_regular(path) else { return false };

@@ -62,7 +62,7 @@ pub struct SourceLine {
     pub file: PathBuf,
     /// The line, from 1; 0 if only the file is known.
     pub line: u32,
-    /// The function around it, demangled.
+    /// The function that contains the line, demangled.
     pub function: Option<String>,
 }
 
@@ -113,7 +113,7 @@ impl ProgramImage {
             return Err(ImageError::Foreign { path: path.to_owned(), description });
         }
         let parts = read_parts(&bytes).map_err(|reason| ImageError::Broken { path: path.to_owned(), reason })?;
-        // C libraries are already built with hidden constructors.
+        // Libraries from C and C++ are already built with hidden constructors.
         if parts.description.is_some_and(|description| description.language == language::RUST) {
             let broken = |error: object::Error| ImageError::Broken { path: path.to_owned(), reason: error.to_string() };
             constructors::hide(&mut bytes).map_err(broken)?;
@@ -180,10 +180,10 @@ impl ProgramImage {
         self.parts.has_resolvers
     }
 
-    /// Returns true if a copy can be unmapped once its program has returned. According to its imports, the program then
-    /// has started no thread and registered no function or memory with the C library; and it has no destructors other
-    /// than the ones of the compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as
-    /// destructors of thread-locals are pending.
+    /// Returns true if a copy can be unmapped once its program has returned: the program imports no function that starts
+    /// a thread or registers a function or memory with the C library, and it has no destructors other than those of the
+    /// compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as destructors of
+    /// thread-locals are pending.
     pub fn can_unmap(&self) -> bool {
         self.parts.can_unmap
     }
@@ -232,8 +232,8 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of a call, given its return address minus one. `None` if this address lies in the shim: the function
-    /// has ended with a tail call, so the return address is its caller's.
+    /// The line of a call, given its return address minus one. `None` if the line is unknown, or if this address lies in
+    /// the shim: then the program's `main` or task made the call as a tail call, which returns to the shim.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }

@@ -199,7 +199,7 @@ impl LoadedProgram {
 
     /// Runs the program's `main` on this thread; `host` answers its calls. Returns the exit code.
     ///
-    /// The program is native code of the user and can do anything that this process can; the executive handles its
+    /// The program is native code of the user and can do anything that this process can; the executor handles its
     /// crashes. Only one run at a time is allowed, since the copy has a single set of globals.
     pub fn run<H: Support + Robios6 + Robios7>(&self, host: &H) -> i32 {
         let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
@@ -281,7 +281,8 @@ impl LoadedProgram {
     }
 }
 
-/// Loads the programs of one run. Its folder contains a copy only while the copy is being loaded.
+/// Loads the programs of one run. Its folder contains the files that robots' own processes load; a copy for a robot in
+/// this process is there only while it is being loaded.
 #[derive(Debug)]
 pub struct Loader {
     folder: RunFolder,
@@ -365,8 +366,9 @@ impl Loader {
     /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is
     /// private, unless robots may share one on each of the `sharing_workers`: see [`ProgramImage::shared_variables`].
     ///
-    /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless
-    /// the program may leave references to it (exit handlers, threads).
+    /// Constructors that are not hidden, such as those of further libraries that the library needs, run on this thread;
+    /// hidden ones run with the program. The copy is unmapped with the last clone of the result, unless the program may
+    /// leave references to it (exit handlers, threads).
     ///
     /// # Errors
     /// [`LoadError`] if it is not a program for this eyesim or the dynamic linker refuses it.
@@ -414,7 +416,7 @@ impl Loader {
         Ok(copy)
     }
 
-    /// Maps a further copy of `image`, which shares the pages of code and constants of the first copy.
+    /// Maps a copy of `image`; copies after the first one share its pages of code and constants.
     fn map_sharing_pages(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage) -> Result<Opened, LoadError> {
         let (opened, copy) = self.map_copy(image)?;
         self.share(prepared, image, opened.base, copy);
@@ -545,7 +547,7 @@ impl OpenError {
 }
 
 /// Maps the library at `path`, whose description must have been checked in the file ([`Loader::library`] does so). Its
-/// constructors run on this thread, and its destructors on the thread that drops it.
+/// constructors run on this thread unless they are hidden, and its destructors on the thread that drops it.
 ///
 /// # Errors
 /// [`OpenError`] if the dynamic linker refuses the library or its description does not fit.
@@ -573,7 +575,7 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     Ok(Opened { base, description, is_constructed: Once::new(), library: Some(library) })
 }
 
-/// The library of `prepared`; an error for a Python program.
+/// The library of `prepared`; an error for a Python program and for an embedded one.
 fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     let path = || prepared.source.path().to_owned();
     let no_library = || LoadError::Incompatible {

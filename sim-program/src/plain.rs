@@ -56,9 +56,10 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     translated.concat()
 }
 
-/// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code: fractions that are
-/// cut off, unless the number becomes 0, texts that are printed without a format, unless `+` joins the text, and arrays
-/// of arrays where a pointer to their elements is expected, as in `BYTE image[120][160][3]; CAMGet(image);`.
+/// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code:
+/// - fractions that are cut off, unless the number becomes 0, or is an angle in radians for `VWTurn`;
+/// - texts that are printed without a format, unless `+` joins the text;
+/// - arrays of arrays where a pointer to their elements is expected, as in `BYTE image[120][160][3]; CAMGet(image);`.
 pub fn without_harmless_warnings(output: &str) -> String {
     let mut kept = String::new();
     // Lines before a message that belong to it: `a.c: In function 'main':`.
@@ -125,7 +126,7 @@ fn passes_array(lines: &[&str]) -> bool {
     types.is_some_and(|(expected, given)| given.contains("(*)[") && element_type(expected) == element_type(given))
 }
 
-/// The type to whose values a pointer in a message of gcc leads, such as `unsigned char` for
+/// The element type of a pointer in a message of gcc, without all `*` and `[ ]`, such as `unsigned char` for
 /// `BYTE (*)[160]' {aka 'unsigned char (*)[160]'}`.
 fn element_type(message: &str) -> &str {
     let quoted = message.trim_end().trim_end_matches(['}', '\'']);

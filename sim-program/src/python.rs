@@ -38,7 +38,7 @@ impl PythonHome {
     /// Queries an interpreter.
     ///
     /// # Errors
-    /// It does not start, or does not answer.
+    /// The interpreter does not start, or does not answer.
     fn query(interpreter: &Path) -> io::Result<Self> {
         // Files of the working folder cannot shadow `sys` and `site`: the interpreter has imported both before it adds
         // that folder to its search path.
@@ -72,7 +72,7 @@ impl PythonHome {
 /// Python host finds the user's modules. Returns the files and folders that the host reads.
 ///
 /// # Errors
-/// The host is unknown, or is an interpreter that does not answer.
+/// The path of this executable cannot be determined, or the host is an interpreter that does not answer.
 pub fn restricted_host(command: &mut Command) -> io::Result<Vec<PathBuf>> {
     /// The interpreter is queried only once in a process.
     static HOME: OnceLock<PythonHome> = OnceLock::new();

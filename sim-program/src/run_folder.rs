@@ -15,7 +15,7 @@ const LOCK: &str = "lock";
 #[derive(Debug)]
 pub struct RunFolder {
     folder: tempfile::TempDir,
-    /// Locked as long as the process lives.
+    /// Locked until the folder is dropped or the process ends.
     _lock: File,
 }
 

@@ -7,8 +7,8 @@ use robios_sys::CallSite;
 pub enum Site {
     /// In a program that runs in this process.
     InHost(CallSite),
-    /// In a program that reports it with the call: in its own process, or code of the process that embeds the
-    /// simulator.
+    /// In a program that reports the location with the call: a program in its own process, or code of the process that
+    /// embeds the simulator.
     Reported(RemoteSite),
 }
 

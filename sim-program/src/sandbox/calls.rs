@@ -1,9 +1,9 @@
 //! Seccomp: the system calls that a restricted process may make.
 //!
 //! The list is an allowlist: a call that is new in the kernel, or was not considered, is denied. The filter checks the
-//! architecture, and calls of the x32 interface have numbers that are not on the list. A call that is not allowed fails
-//! with `EPERM`. Calls from [`FIRST_NEW`] on, and `clone3`, whose flags a filter cannot read, fail with `ENOSYS`, so
-//! that the C library falls back to older calls.
+//! architecture, and calls of the x32 interface have numbers that are not on the list. An old call that is not on the
+//! list fails with `EPERM`. A call from [`FIRST_NEW`] on that is not on the list, such as `clone3`, whose flags a filter
+//! cannot read, fails with `ENOSYS`, so that the C library falls back to an older call.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -265,7 +265,7 @@ pub(super) fn filters(role: Role, kernel: &Kernel) -> io::Result<Vec<Vec<sock_fi
     Ok(compiled.iter().map(|filter| filter.iter().map(convert).collect()).collect())
 }
 
-/// The filter that passes only allowed calls.
+/// The filter that passes only allowed calls, and the new calls that [`missing_calls_filter`] answers.
 fn allowlist_filter(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::BackendError> {
     use SeccompCmpOp::{Eq, MaskedEq, Ne};
     let own_process = || Ok(vec![SeccompRule::new(vec![argument(0, Eq, OWN_PROCESS.into())?])?]);

@@ -44,7 +44,8 @@ impl Limits {
         open_files: 1024,
     };
 
-    /// The kernel's limits, except the limit on processes, which depends on the user.
+    /// The kernel's limits and their values. The limit on processes takes effect only under a user id of the process's
+    /// own.
     pub(super) fn values(&self) -> Values {
         [
             (libc::RLIMIT_CPU, self.processor_time.as_secs().max(1)),

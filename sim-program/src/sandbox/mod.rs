@@ -201,7 +201,7 @@ impl Sandbox {
     /// standard streams are closed. The standard streams must be pipes or files that no other process has open, because
     /// changes to a shared file affect all its users.
     ///
-    /// If this process is root's, the command runs under a user id of its own.
+    /// If this process is root's, the command runs under an otherwise unused user id.
     ///
     /// # Errors
     /// The kernel refuses the rules.

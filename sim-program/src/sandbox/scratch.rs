@@ -110,8 +110,8 @@ fn threads_of(pid: i32) -> u64 {
     threads.and_then(|threads| threads.trim().parse().ok()).unwrap_or_default()
 }
 
-/// Returns true if all files in `folder` together take at most `max_bytes` bytes. A folder that cannot be read counts
-/// as too large.
+/// Returns true if all files in `folder` together take at most `max_bytes` bytes, and no folders are nested deeper than
+/// [`MAX_DEPTH`]. A folder that cannot be read counts as too large.
 fn fits(folder: &Path, max_bytes: u64) -> bool {
     let mut size = 0;
     let mut folders = vec![(folder.to_owned(), 0)];
