@@ -137,7 +137,8 @@ impl Sink {
         self.report(Severity::Error, code, span, message, expected)
     }
 
-    /// All diagnostics, in the order of the text, with long quotations shortened.
+    /// All diagnostics in the order of the text, and at the end the number of omitted ones. Long quotations are
+    /// shortened, and unprintable characters are escaped.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
         self.diagnostics.extend(self.last_omitted.map(|last| Diagnostic {

@@ -2,7 +2,7 @@
 //!
 //! Every reader is a total function: for any text it returns a spec of finite numbers, reports all mistakes and never
 //! panics. This library does no I/O: [`load_scene`] gets its files through [`Files`]. It neither finds nor builds
-//! programs. One reader per kind of file reads the dialects of all EyeSim versions, which it distinguishes by number
+//! programs. One reader per kind of file reads the dialects of all EyeSim versions; it distinguishes them by number
 //! and kind of the values. docs/formats/ describes the formats.
 #![forbid(unsafe_code)]
 

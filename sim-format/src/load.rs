@@ -123,8 +123,9 @@ impl Loaded {
     }
 }
 
-/// Loads a scene (in TOML if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files
-/// that it refers to. Does not search for programs and meshes.
+/// Loads a scene (in TOML if its name ends in `.toml`, otherwise a sim file) and all worlds, robis, object files, noise
+/// profiles and cost tables that it refers to. Of the meshes, reads only those that range sensors detect; does not
+/// search for programs.
 ///
 /// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once for
 /// all robots or objects that use it. Robots and objects that start inside other bodies cause a warning.
@@ -139,7 +140,7 @@ pub struct Overrides<'a> {
     pub seed: Option<u64>,
     /// EyeSim version whose conventions the scene follows.
     pub dialect: Option<Dialect>,
-    /// Side of the cells of the scene's maze file, in metres; positive.
+    /// Side of the cells of the scene's maze or map file, in metres; positive.
     pub maze_cell: Option<f64>,
     /// Values of a scene in TOML, which override the values in its text.
     pub settings: &'a [Setting],
@@ -503,8 +504,8 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// Reads the world that the sim file refers to. Without a reference, it is a default world or, with an error,
-    /// `None`.
+    /// Reads the world of a scene, from its text or from the file that it refers to. A scene without a world gets a
+    /// default world, or `None` and an error.
     fn find_world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         if let Some(world) = &sim.inline.world {
             return Some(world.clone());

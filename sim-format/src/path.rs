@@ -18,7 +18,8 @@ const INSTALLATION_FOLDERS: [&str; 3] = ["", "worlds", "robis"];
 /// - A path that begins with `%sim%` is searched only in the installation.
 /// - Any other relative path is searched in `folder`, in the working folder, in the installation and in its folders
 ///   `worlds` and `robis`.
-/// - An absolute path is tried unchanged, then below the installation, since old files contain such paths.
+/// - An absolute path is tried as it is. One that begins with `/` is then tried below the installation, since old files
+///   contain such paths.
 ///
 /// Source: files of the EyeSim versions. Our choice: `folder` precedes the working folder, so that a scene does not
 /// depend on the directory from which it is run. A `..` removes the part before it, even if that part is a link.

@@ -152,8 +152,8 @@ fn quoted(names: &[String]) -> String {
 /// Finds the program that `reference` names.
 ///
 /// `reference` names an embedded program, or is a path to a shared library, a Python file, a C or C++ file, several C
-/// or C++ files separated by commas (`main.cpp,map.c`), a folder of such files, or the folder of a Cargo package (or its
-/// `Cargo.toml`). Backslashes separate folders too, and `%sim%` is the installation.
+/// or C++ files separated by commas (`main.cpp,map.c`), a folder of such files, or the folder of a Cargo package (or
+/// its `Cargo.toml`). Backslashes separate folders too, and `%sim%` is the installation.
 ///
 /// In each folder of the [`SearchPath`], the name itself is tried first, then the sources from which a `Makefile`
 /// beside the named file builds it, then the sources and libraries of the same name in this file's folder. If no folder

@@ -180,9 +180,9 @@ impl ProgramImage {
         self.parts.has_resolvers
     }
 
-    /// Returns true if a copy can be unmapped once its program has returned: the program imports no function that starts
-    /// a thread or registers a function or memory with the C library, and it has no destructors other than those of the
-    /// compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as destructors of
+    /// Returns true if a copy can be unmapped once its program has returned: the program imports no function that
+    /// starts a thread or registers a function or memory with the C library, and it has no destructors other than those
+    /// of the compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as destructors of
     /// thread-locals are pending.
     pub fn can_unmap(&self) -> bool {
         self.parts.can_unmap
@@ -232,8 +232,8 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of a call, given its return address minus one. `None` if the line is unknown, or if this address lies in
-    /// the shim: then the program's `main` or task made the call as a tail call, which returns to the shim.
+    /// The line of a call, given its return address minus one. `None` if the line is unknown, or if this address lies
+    /// in the shim: then the program's `main` or task made the call as a tail call, which returns to the shim.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }

@@ -580,7 +580,7 @@ impl Message<'_> {
         }
     }
 
-    /// Returns true if a back-slash joins the line with the line before or after it.
+    /// Returns true if a backslash joins the line with the line before or after it.
     fn is_continued(&self, line: &str) -> bool {
         let line_before =
             self.line.parse::<usize>().ok().and_then(|number| self.source.lines().nth(number.checked_sub(2)?));

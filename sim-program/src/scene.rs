@@ -26,8 +26,8 @@ pub struct Programs {
     /// The programs in the order of the robots; robots with the same program share it, and a robot without a program
     /// has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,
-    /// Messages for the user: notes of the search, output of the compiler, files that programs open elsewhere, warnings
-    /// about sources of nondeterminism.
+    /// Messages for the user: notes of the search, chosen generations, output of the compiler, data files that lie beside
+    /// a program but not in the working folder, warnings about sources of nondeterminism.
     pub remarks: Vec<String>,
 }
 
@@ -35,7 +35,8 @@ pub struct Programs {
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", mistakes.join("\n"))]
 pub struct ProgramsError {
-    /// A message for each program, with the line of the sim file that names it; each message once.
+    /// A message for each program, each message once. For a program that is not found, the message has the line of the
+    /// sim file that names it.
     pub mistakes: Vec<String>,
 }
 

@@ -263,7 +263,7 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
 }
 
 /// Span of `length` bytes from `index` in a file that may not be text. It is empty unless all bytes up to its end are
-/// UTF-8.
+/// UTF-8 without a byte order mark.
 fn span_of_bytes(bytes: &[u8], index: usize, length: usize) -> Span {
     let end = (index + length).min(bytes.len());
     let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };

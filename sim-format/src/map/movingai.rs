@@ -22,7 +22,7 @@ pub(crate) fn is_map(text: &str) -> bool {
     first.is_some_and(|word| ["type", "height", "width", "map"].contains(&word.text))
 }
 
-/// Reads a map with cells of this side in metres; `None`, with an error, if there are no rows.
+/// Reads a map with cells of this side in metres; `None`, with an error, if there are no rows or too many cells.
 pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
     let mut lines = line::lines(text);
     let mut sides = [None, None];
@@ -148,7 +148,7 @@ pub struct Scenario {
     pub goal: [usize; 2],
     /// Length of a shortest path in sides of a cell.
     pub length: f64,
-    /// Its line in the file.
+    /// The line of the scenario in the file.
     pub span: Span,
 }
 

@@ -45,7 +45,7 @@ const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_th
 const FORM: &str =
     "one of image, resolution, origin, negate, occupied_thresh, free_thresh, mode, a colon, and its value";
 
-/// Reads a `map.yaml`; `None`, with an error, if it has no image or no resolution.
+/// Reads a `map.yaml`; `None`, with an error, if it has no image, or no valid resolution or thresholds.
 pub(crate) fn read_map_yaml(sink: &mut Sink, text: &str) -> Option<MapSpec> {
     let entries = entries(sink, text);
     let mut values = Values { entries, sink };
@@ -126,7 +126,7 @@ struct KeyValues<'t> {
     values: Vec<Word<'t>>,
 }
 
-/// The keys of a text in order; a later key replaces an earlier one of the same name.
+/// The keys of a text with their values; a later key replaces an earlier one of the same name.
 fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, KeyValues<'t>> {
     let mut entries: BTreeMap<&str, KeyValues<'_>> = BTreeMap::new();
     // The key whose values may follow on further lines, and true if they are between brackets.

@@ -251,7 +251,7 @@ impl<'i> DrawPass<'_, 'i> {
         Some((Spanned::new(item.span(), DeValue::Table(single)), count as u32))
     }
 
-    /// Value of a draw; reports a mistake and then returns a valid value.
+    /// Value of a draw. If the draw has a mistake, reports it and returns some valid value.
     fn draw(&mut self, table: &DeTable<'i>, span: &Range<usize>, path: &str) -> DeValue<'i> {
         let mut section = Section::root(table);
         section.name = "draw";

@@ -2,8 +2,8 @@
 //!
 //! The list is an allowlist: a call that is new in the kernel, or was not considered, is denied. The filter checks the
 //! architecture, and calls of the x32 interface have numbers that are not on the list. An old call that is not on the
-//! list fails with `EPERM`. A call from [`FIRST_NEW`] on that is not on the list, such as `clone3`, whose flags a filter
-//! cannot read, fails with `ENOSYS`, so that the C library falls back to an older call.
+//! list fails with `EPERM`. A call from [`FIRST_NEW`] on that is not on the list, such as `clone3`, whose flags a
+//! filter cannot read, fails with `ENOSYS`, so that the C library falls back to an older call.
 
 use std::collections::BTreeMap;
 use std::io;
