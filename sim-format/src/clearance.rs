@@ -32,6 +32,7 @@ struct Body {
 }
 
 /// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it.
+/// Reports an error if more than [`MAX_PILE`] objects start inside one body.
 /// The first `world_object_count` objects come from the world's file.
 pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnostic> {
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];

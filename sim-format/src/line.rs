@@ -173,7 +173,7 @@ pub(super) fn guessed_number(word: &str) -> Option<String> {
     guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
 }
 
-/// Numbers of a line of exactly `N` values; reports every mistake.
+/// Numbers of a line of exactly `N` values; reports each invalid one. `None`, without a message, for another count.
 pub(super) fn numbers<const N: usize>(
     sink: &mut Sink,
     severity: Severity,

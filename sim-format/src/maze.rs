@@ -101,7 +101,8 @@ impl ContestMaze {
     }
 }
 
-/// Reads a maze file, in which the last or the first line contains only the size of its cells.
+/// Reads a maze that is drawn as in EyeSim. A line that contains only a number, usually the last or the first one,
+/// states the size of the cells.
 ///
 /// `file` is the name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper
 /// border. Adjacent wall pieces on one line are merged, so that walls have no joints inside.

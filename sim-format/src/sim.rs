@@ -1,8 +1,8 @@
 //! Scenes: `.sim`, with the world, the robots and their programs, the objects and the markers.
 //!
-//! One reader reads all dialects, which it distinguishes by number and kind of a line's values. A line that starts with
-//! the name of a loaded type may place a robot or an object; [`super::load_scene`] decides when it has read the type's
-//! file.
+//! One reader reads all dialects; it distinguishes them by number and kind of a line's values. A line that starts with
+//! the name of a loaded type may place a robot or an object; [`super::load_scene`] determines which of both after the
+//! type's file is read.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
@@ -16,7 +16,7 @@ use sim_core::pose::Pose;
 
 /// First words of lines, except for the names of types.
 pub(super) const KEYWORDS: [&str; 8] = ["world", "maze", "settings", "robi", "robot", "obj", "object", "marker"];
-/// Keywords of lines without which the scene is a different one.
+/// Keywords of lines that a scene must not lose: misspelt, they cause an error instead of a warning.
 const ESSENTIAL: [&str; 4] = ["world", "maze", "robi", "robot"];
 /// Letters of maze cells at which a robot may start.
 const START_LETTERS: [char; 5] = ['S', 'U', 'R', 'D', 'L'];

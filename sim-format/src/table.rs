@@ -12,7 +12,7 @@ use super::line::{self, Quantity};
 use super::spec::SpannedText;
 use super::{builtin, path, sim};
 
-/// Byte range of keys that settings have added ([`super::set`]), so that the text does not contain them.
+/// Byte range of keys that settings have added ([`super::set`]): the text does not contain these keys.
 pub(super) const SET: Range<usize> = usize::MAX..usize::MAX;
 
 /// Reader of a TOML text, with its diagnostics.
@@ -216,7 +216,7 @@ impl Reader {
         Some(SpannedText { text, span })
     }
 
-    /// Array of strings, which may be empty, and of numbers, which are returned as strings.
+    /// Items of an array of strings and numbers. Strings may be empty; numbers are returned as strings.
     pub(super) fn words(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
         let Some(items) = self.array(section, key, "an array of texts and numbers") else {
             return Vec::new();
@@ -378,7 +378,7 @@ impl Reader {
         self.as_section(key, value)
     }
 
-    /// Subtable, with an example of its content for messages.
+    /// Subtable; `example` shows its content in messages, unless it is empty.
     pub(super) fn section_like<'a, 'i>(
         &mut self,
         parent: &mut Section<'a, 'i>,

@@ -1,5 +1,5 @@
-//! Finds functions that are `inline` in the manner of GNU C before C99: `inline` alone defines a function for all files,
-//! and `extern inline` defines none. With the rules of C99, which are the opposite, such programs do not link.
+//! Finds functions that are `inline` in the manner of GNU C before C99: `inline` alone defines a function for all
+//! files, and `extern inline` defines none. With the rules of C99, which are the opposite, such programs do not link.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -26,8 +26,8 @@ pub struct Programs {
     /// The programs in the order of the robots; robots with the same program share it, and a robot without a program
     /// has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,
-    /// Messages for the user: notes of the search, chosen generations, output of the compiler, data files that lie beside
-    /// a program but not in the working folder, warnings about sources of nondeterminism.
+    /// Messages for the user: notes of the search, chosen generations, output of the compiler, data files that lie
+    /// beside a program but not in the working folder, warnings about sources of nondeterminism.
     pub remarks: Vec<String>,
 }
 

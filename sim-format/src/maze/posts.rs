@@ -60,7 +60,7 @@ impl Lattice {
     }
 }
 
-/// Returns true if a line consists of posts and walls.
+/// Returns true if some line of `text` consists of posts and walls.
 pub(super) fn is_posts(text: &str) -> bool {
     line::lines(text).any(|line| line.text.len() < 1 << 16 && Lattice::of(&characters(&line)).is_some())
 }

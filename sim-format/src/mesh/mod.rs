@@ -1,8 +1,8 @@
 //! Appearance of bodies: meshes with their materials and images.
 //!
-//! Mistakes in these files never prevent a run: missing or broken files cause a warning, and the body is shown in its
-//! own shape. `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the
-//! meshes that range sensors detect; without these the scene cannot be run ([`super::load`]).
+//! A missing or broken file causes a warning, and the body is shown in its own shape. Only a missing mesh that range
+//! sensors detect is an error, and prevents the run ([`super::load`]). `check`, pictures and cameras read meshes
+//! through [`MeshReader`]; a run without a camera reads only the meshes that range sensors detect.
 //!
 //! # Frames
 //! Coordinates in an OBJ file are right-handed: x left, y up, z forward. EyeSim VR inverts x on reading, which gives
