@@ -74,7 +74,7 @@ pub struct LiveEntity {
 
 /// Text of the scene `from` in TOML, with the state of a run.
 ///
-/// Robots and movable objects are placed at their current poses, including spawned ones and without removed ones. A
+/// Robots and movable objects are placed at their current poses. Spawned ones are included, removed ones are not. A
 /// spawned robot has no program. Robots are renumbered without gaps.
 ///
 /// References are relative to the scene's folder. Objects placed by the world's file stay at their original poses.
@@ -157,7 +157,7 @@ enum FileFormat {
     Maze,
     Robi,
     Object,
-    /// A world of another program, which is only read.
+    /// A world or maze of another program, which is only read.
     Foreign,
     /// An occupancy grid of ROS or its image.
     Map,

@@ -1,4 +1,4 @@
-//! Checks of the links, buses and servos of a robot type. They need all devices, so they run after all are read.
+//! Checks of the links, buses and servos of a robot type. These checks run after all devices are read.
 
 use std::collections::BTreeMap;
 

@@ -271,7 +271,7 @@ fn swarm_keys(
     }
 }
 
-/// Reports the key if the table that is being read lacks it.
+/// Reports the key if the table that is being read lacks it, and makes the table unusable.
 fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
     if let Some((reader, section)) = keys.reading()
         && !section.has(key)
@@ -281,7 +281,7 @@ fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
     }
 }
 
-/// Reports that the value of a key cannot be used.
+/// Reports that the value of a key cannot be used, and makes the table unusable.
 fn refuse(keys: &mut Keys<'_>, key: &'static str, problem: &str, expected: &str) {
     let Some((reader, section)) = keys.reading() else { return };
     if section.has(key) {

@@ -24,7 +24,7 @@ use sim_core::unit::{degrees_from_radians, radians_from_degrees};
 
 /// Default range within which an infrared switch responds, in metres.
 const DEFAULT_INFRARED_RANGE: f64 = 0.1;
-/// Smallest width and height of the display in pixels: a menu with some text above it.
+/// Minimum width and height of the display in pixels, which a menu with some text above it needs.
 const MIN_LCD_SIDE: i64 = 64;
 /// Maximum width of the display in pixels.
 const MAX_LCD_WIDTH: i64 = 1920;
@@ -170,7 +170,7 @@ impl Form for InputSpec {
 
 /// Table whose keys are numbers, such as `3 = 512`.
 struct Numbered {
-    /// Name of a numbered thing in messages.
+    /// Name of the numbered items in messages.
     name: &'static str,
     numbers: RangeInclusive<u8>,
     /// Maximum value.

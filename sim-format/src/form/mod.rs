@@ -63,7 +63,7 @@ pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 /// One pass over the keys of a table.
 pub(crate) struct Keys<'k> {
     pass: Pass<'k>,
-    /// True if no required key is missing so far.
+    /// True as long as no required key is missing and no value makes the table unusable.
     is_complete: bool,
     /// True if no further keys can be declared, such as those of an unknown variant.
     is_abandoned: bool,
@@ -207,7 +207,7 @@ impl<'k> Keys<'k> {
         }
     }
 
-    /// Returns true if no required key is missing so far.
+    /// Returns true as long as no required key is missing and no value makes the table unusable.
     pub(crate) fn is_complete(&self) -> bool {
         self.is_complete
     }
@@ -445,12 +445,13 @@ fn link(name: &str) -> Json {
 }
 
 impl Reader {
-    /// Reads a table, with `form` as defaults; `None` if a required key is missing.
+    /// Reads a table, with `form` as defaults; `None` if a required key is missing or the table is unusable.
     pub(crate) fn form<F: Form>(&mut self, section: Section<'_, '_>, mut form: F) -> Option<F> {
         self.table(section, |keys| form.keys(keys)).then_some(form)
     }
 
-    /// Reads the keys that `declare` declares and reports all other keys; returns false if a required key is missing.
+    /// Reads the keys that `declare` declares and reports all other keys; returns false if a required key is missing or
+    /// the table is unusable.
     pub(crate) fn table(&mut self, section: Section<'_, '_>, declare: impl FnOnce(&mut Keys<'_>)) -> bool {
         let mut keys = Keys::new(Pass::Read(self, section));
         declare(&mut keys);

@@ -107,9 +107,9 @@ impl Grid {
     /// on the edge of the floor.
     ///
     /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the cell
-    /// that cannot be reached; if this does not decide, the wall fills the cell on its right, seen from its first end.
-    /// The cells that can be reached from the world's starts are free; without starts, all unoccupied cells are free.
-    /// The rest is unknown. `None` if there are too many cells.
+    /// that cannot be reached; if both can be reached, the cell on its right, seen from its first end; if none can, no
+    /// cell. The cells that can be reached from the world's starts are free; without starts, all unoccupied cells are
+    /// free. The rest is unknown. `None` if there are too many cells.
     pub fn of_world(world: &WorldSpec, cell: f64) -> Option<Self> {
         let mut raster = Raster::new(world, cell)?;
         world.walls.iter().for_each(|wall| raster.draw_wall(wall));

@@ -25,14 +25,13 @@ const MAX_DEVIATION: f64 = 5e-4;
 /// Minimum and maximum number of sides of a polygon that replaces a circle.
 const SIDE_COUNT_LIMITS: [f64; 2] = [8.0, 256.0];
 
-/// Maximum depth of elements.
+/// Maximum nesting depth of elements.
 const MAX_DEPTH: usize = 64;
 
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
 const SHAPE_SYNTAX: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
 
-/// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a
-/// note on the interpretation.
+/// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a note on the interpretation.
 pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, String) {
     let line_starts = line_starts(text);
     let mut parser =
