@@ -399,9 +399,9 @@ impl<'a> Loader<'a> {
         text
     }
 
-    /// Path and content of the file that `reference` in `file` refers to. If no file is at its paths, a file with a name
-    /// in other case, with `.txt` after its name or in another folder is taken, with a warning; if there is none, an
-    /// error lists the paths.
+    /// Path and content of the file that `reference` in `file` refers to. If no file is at the paths of the reference,
+    /// a file with a name in other case, with a further `.txt` or in another folder is taken, with a warning; if there
+    /// is none, an error lists the paths.
     pub(super) fn find(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<(String, Vec<u8>)> {
         self.find_or(Severity::Error, file, folder, reference)
     }

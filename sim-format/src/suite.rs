@@ -89,7 +89,7 @@ pub struct SubmitSpec {
     pub robots: String,
     /// Patterns for names of files, `*.c`; with a slash, patterns for the end of their paths, `src/*.c`.
     pub patterns: Vec<String>,
-    /// Its location in the file.
+    /// Location of the entry in the file.
     pub span: Span,
 }
 
@@ -133,7 +133,7 @@ pub struct Matrix {
     pub zip: Vec<Vec<String>>,
     /// Excluded combinations: labels of values by the names of their axes.
     pub exclude: Vec<BTreeMap<String, String>>,
-    /// Its location in the file.
+    /// Location of the matrix in the file.
     pub span: Span,
 }
 
@@ -144,7 +144,7 @@ pub struct Values {
     pub name: String,
     /// The values.
     pub values: Vec<String>,
-    /// Its location in the file.
+    /// Location of the axis in the file.
     pub span: Span,
 }
 
@@ -172,9 +172,9 @@ pub enum AxisKind {
 pub struct Axis {
     /// Property that the axis changes.
     pub kind: AxisKind,
-    /// Its name: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
+    /// Name of the axis: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
     pub name: String,
-    /// Its values, in the syntax of the command line.
+    /// Values of the axis, in the syntax of the command line.
     pub values: Vec<String>,
 }
 

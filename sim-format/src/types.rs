@@ -51,8 +51,8 @@ struct KnownType {
 }
 
 impl Types {
-    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the
-    /// same name, the first is registered.
+    /// Registers the built-in types and the types of `sim`. Built-in names are reserved. Of several types with the same
+    /// name, only one is registered: an inline type before types of files, otherwise the first one.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self {
             by_name: BTreeMap::new(),

@@ -30,9 +30,9 @@ pub struct Accesses {
 /// An array that a line indexes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IndexedArray {
-    /// Its name, such as `d` or `robot.marks`.
+    /// Name of the array, such as `d` or `robot.marks`.
     pub name: String,
-    /// Its length, if it has one dimension and the source shows it.
+    /// Length of the array, if it has one dimension and the source shows the length.
     pub len: Option<u64>,
     /// Every index is a number within the array.
     pub is_inside: bool,
@@ -170,13 +170,13 @@ fn without_directives(code: String) -> (String, Macros) {
 #[derive(Clone, Copy)]
 struct Token<'a> {
     text: &'a str,
-    /// Its offset in the source, in bytes.
+    /// Offset of the token in the source, in bytes.
     start: usize,
     line: usize,
 }
 
 impl Token<'_> {
-    /// The offset of its end.
+    /// The offset of the token's end.
     fn end(&self) -> usize {
         self.start + self.text.len()
     }

@@ -14,8 +14,8 @@ pub trait EmbeddedCode: Send + Sync {
     /// Runs the program of `robot`, which makes its calls through `calls`, to its end.
     fn run(&self, robot: RobotId, arguments: &[String], calls: Arc<dyn Calls>) -> EmbeddedEnd;
 
-    /// Calls the function that the program of `robot` has registered under `number`, on its thread and within one of
-    /// its calls. Returns [`Status::STOP`] if that call must not continue.
+    /// Calls the function that the program of `robot` has registered under `number`, on the program's thread and within
+    /// one of its calls. Returns [`Status::STOP`] if that call must not continue.
     fn call_back(&self, robot: RobotId, number: u64) -> Status;
 
     /// Requests that the program of `robot`, which computes or sleeps on its thread, end with [`EmbeddedEnd::Overdue`].

@@ -31,7 +31,7 @@ impl Generation {
         Self::ALL.into_iter().find(|generation| generation.number() == number)
     }
 
-    /// Its number.
+    /// The generation's number, 6 or 7.
     pub fn number(self) -> u32 {
         match self {
             Self::Robios6 => 6,
@@ -39,7 +39,7 @@ impl Generation {
         }
     }
 
-    /// Its name: `RoBIOS 6`, `RoBIOS-7`.
+    /// The generation's name: `RoBIOS 6`, `RoBIOS-7`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robios6 => "RoBIOS 6",
@@ -55,7 +55,7 @@ impl Generation {
         }
     }
 
-    /// Returns true if the generation has a function called `name`; functions of its older headers are included.
+    /// Returns true if the generation has a function called `name`; functions of older headers are included.
     pub fn has_function(self, name: &str) -> bool {
         match self {
             Self::Robios6 => Robios6Call::from_name(name).is_some() || VARIANTS_OF_6.contains(&name),
@@ -63,7 +63,7 @@ impl Generation {
         }
     }
 
-    /// The names of its functions.
+    /// The names of the generation's functions.
     pub fn functions(self) -> Vec<&'static str> {
         match self {
             Self::Robios6 => {
@@ -75,7 +75,7 @@ impl Generation {
         }
     }
 
-    /// Returns true if `name` is a constant or type of its header that a program is unlikely to define itself:
+    /// Returns true if `name` is a constant or type of the generation's header that a program is unlikely to define:
     /// `QVGA_SIZE`, but not `RED`.
     pub fn has_constant(self, name: &str) -> bool {
         let is_distinctive = |constant: &Constant| constant.name == name && name.contains('_');
@@ -382,7 +382,7 @@ const MAX_CLAUSES: usize = 4;
 /// A call of a function in a source.
 struct CallSite<'a> {
     name: &'a str,
-    /// Its line, as `4`, or as `map.c:4` in a program of several sources.
+    /// Line of the call, as `4`, or as `map.c:4` in a program of several sources.
     place: String,
     /// The statement to delete; `None` if the call is not a statement on lines of its own.
     statement: Option<Statement>,

@@ -22,7 +22,7 @@ impl Language {
         Self::ALL.into_iter().find(|language| language.extensions().contains(&extension.as_str()))
     }
 
-    /// The extensions of its sources, without a dot, in the order of the search.
+    /// The extensions of sources in this language, without a dot, in the order of the search.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::C => &["c"],
@@ -30,7 +30,7 @@ impl Language {
         }
     }
 
-    /// Its name in messages.
+    /// The language's name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::C => "C",
@@ -38,7 +38,7 @@ impl Language {
         }
     }
 
-    /// The environment variable that names its compiler.
+    /// The environment variable that names the language's compiler.
     pub fn variable(self) -> &'static str {
         match self {
             Self::C => "CC",
@@ -46,7 +46,8 @@ impl Language {
         }
     }
 
-    /// The commands that are tried for its compiler if the variable is not set, in this order.
+    /// The commands that are tried, in this order, as the language's compiler if the [variable](Self::variable) is not
+    /// set.
     pub fn commands(self) -> &'static [&'static str] {
         match self {
             Self::C => &["cc", "gcc", "clang"],
@@ -54,7 +55,7 @@ impl Language {
         }
     }
 
-    /// The packages of Debian and Ubuntu that its compiler needs.
+    /// The packages of Debian and Ubuntu that the language's compiler needs.
     pub fn packages(self) -> &'static str {
         match self {
             Self::C => "gcc libc6-dev",

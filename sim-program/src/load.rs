@@ -177,7 +177,7 @@ impl LoadedProgram {
         &self.prepared.name
     }
 
-    /// The number of its arguments, without `argv[0]`.
+    /// The number of the program's arguments, without `argv[0]`.
     pub fn argument_count(&self) -> usize {
         self.arguments.len().saturating_sub(1)
     }

@@ -72,7 +72,7 @@ impl Prepared {
         }
     }
 
-    /// Message for its compilation: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
+    /// Message about the program's compilation: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
     pub fn generation_remark(&self) -> Option<String> {
         self.choice.as_ref()?.remark(self.source.path())
     }

@@ -106,7 +106,7 @@ pub enum PythonError {
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,
-        /// Its output when it is queried for its version.
+        /// Output of the interpreter when its version is queried.
         answer: String,
     },
     /// The module `eye` cannot be written into the cache.

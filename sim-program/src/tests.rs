@@ -1,4 +1,4 @@
-//! Tests of building and loading with the real compiler. Without a compiler they print a message and end.
+//! Tests of building and loading with the real compiler. Without a compiler these tests print a message and end.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -340,7 +340,7 @@ fn nothing_is_compiled_when_nothing_has_changed() {
     test_folder.write("map.h", "#define SIZE 3\n");
     test_folder.built(&["maze.c"]);
     assert_eq!(run(&test_folder.loaded(&["maze.c"])), 3);
-    // So does a changed flag.
+    // A changed flag causes a build, too.
     test_folder.tools.cflags = Some("-DOTHER='a b'".into());
     assert!(test_folder.built(&["maze.c"]).compiled);
     assert!(compilations() > count);

@@ -1,6 +1,6 @@
 //! Splits an argument string into words as a POSIX shell does, without expanding anything.
 
-/// An argument string that ends inside a quote or after a back-slash.
+/// Reasons why an argument string cannot be split into words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WordsError {
     /// A quote is opened and never closed; `column` counts characters from 1.
@@ -13,7 +13,7 @@ pub enum WordsError {
         /// The whole argument string.
         text: String,
     },
-    /// The last character is a back-slash that escapes nothing.
+    /// The last character is a backslash that escapes nothing.
     #[error("`{text}` ends with a back-slash that escapes nothing: write `\\\\` for a back-slash")]
     TrailingBackslash {
         /// The whole argument string.
@@ -27,13 +27,13 @@ pub enum WordsError {
     },
 }
 
-/// Splits `text` into words: blanks separate, `'...'` is literal, inside `"..."` a back-slash escapes `"`, `\`, `$` and
+/// Splits `text` into words: blanks separate, `'...'` is literal, inside `"..."` a backslash escapes `"`, `\`, `$` and
 /// ``
 /// ` ``, outside of quotes it escapes any character. Nothing is expanded (`$HOME`, `*` and `~` are ordinary text) and `#`
 /// starts no comment.
 ///
 /// # Errors
-/// [`WordsError`] if a quote stays open, `text` ends with a lone back-slash or has a NUL.
+/// [`WordsError`] if a quote stays open, `text` ends with a lone backslash or has a NUL.
 ///
 /// Source: POSIX.1-2017, Shell Command Language, section 2.2.
 pub fn split_words(text: &str) -> Result<Vec<String>, WordsError> {

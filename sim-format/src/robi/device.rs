@@ -205,7 +205,7 @@ enum CameraTail {
     MaxAngles([f64; 2]),
 }
 
-/// Replaces a fixed angle by a servo that turns by up to `max_angle` to either side of it.
+/// Replaces a fixed angle by a servo that turns by up to `max_angle` to either side of this angle.
 fn with_servo(joint: JointSpec, servo: &str, max_angle: f64) -> JointSpec {
     match joint {
         JointSpec::Fixed(angle) if max_angle > 0.0 => {

@@ -44,8 +44,8 @@ impl Limits {
         open_files: 1024,
     };
 
-    /// The kernel's limits and their values. The limit on processes takes effect only under a user id of the process's
-    /// own.
+    /// The kernel's limits and their values. The limit on processes is set only for a process that changes to an unused
+    /// user id.
     pub(super) fn values(&self) -> Values {
         [
             (libc::RLIMIT_CPU, self.processor_time.as_secs().max(1)),

@@ -44,7 +44,7 @@ impl Area {
     /// All areas.
     pub const ALL: [Self; 5] = [Self::Files, Self::Network, Self::Signals, Self::Memory, Self::Resources];
 
-    /// Its name in reports.
+    /// The area's name in reports.
     pub fn word(self) -> &'static str {
         match self {
             Self::Files => "files",
@@ -72,7 +72,7 @@ impl Level {
     /// All levels, weakest first.
     pub const ALL: [Self; 3] = [Self::Limits, Self::Calls, Self::Full];
 
-    /// Its name on the command line and in reports.
+    /// The level's name on the command line and in reports.
     pub fn word(self) -> &'static str {
         match self {
             Self::Limits => "limits",
@@ -81,7 +81,7 @@ impl Level {
         }
     }
 
-    /// The areas that it closes.
+    /// The areas that the level closes.
     pub fn areas(self) -> impl Iterator<Item = Area> {
         Area::ALL.into_iter().filter(move |area| match area {
             Area::Resources => true,
@@ -177,7 +177,7 @@ impl Sandbox {
         })
     }
 
-    /// Its level.
+    /// The sandbox's level.
     pub fn level(&self) -> Level {
         self.level
     }
@@ -190,7 +190,7 @@ impl Sandbox {
         folder.into_iter().chain(self.root.as_deref()).filter_map(|folder| folder.canonicalize().ok()).collect()
     }
 
-    /// Its record in a report.
+    /// The sandbox's record in a report.
     pub fn report(&self) -> SandboxReport {
         let means = |area: Area| Some((area.word().to_owned(), self.kernel.describe_means(area).ok()?));
         SandboxReport { level: self.level.word().to_owned(), closed: self.level.areas().filter_map(means).collect() }
