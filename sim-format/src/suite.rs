@@ -172,7 +172,8 @@ pub enum AxisKind {
 pub struct Axis {
     /// Property that the axis changes.
     pub kind: AxisKind,
-    /// Name of the axis: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
+    /// Name of the axis: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a
+    /// parameter.
     pub name: String,
     /// Values of the axis, in the syntax of the command line.
     pub values: Vec<String>,
