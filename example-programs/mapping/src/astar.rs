@@ -26,8 +26,8 @@ pub struct Path {
 
 /// A path of minimum cost from `start` to `goal`; `None` if there is no path.
 ///
-/// `factor` is the cost per metre of a step into a cell, at least 1, or `None` if the cell must not be entered. It is
-/// never called for the start, so that a robot can leave a forbidden cell.
+/// `factor` is the cost per metre of a step into a cell, at least 1, or `None` if the cell must not be entered. No
+/// step enters the start, so a robot can leave a forbidden cell.
 ///
 /// # Panics
 /// If start or goal lie outside the frame, or a factor is below 1 (then the estimate of the remaining cost would be too

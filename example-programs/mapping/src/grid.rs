@@ -61,7 +61,7 @@ impl GridGeometry {
     /// # Panics
     /// As [`GridGeometry::new`].
     pub fn covering(min: Point, max: Point, cell_size: f64) -> Self {
-        // Tolerance: an excess of up to a millionth of a cell is rounding and adds no column.
+        // Tolerance: an excess of up to a millionth of a cell is rounding and adds no column or row.
         let cells = |length: f64| (length / cell_size - 1e-6).ceil().max(1.0) as usize;
         Self::new(min, cell_size, cells(max.x - min.x), cells(max.y - min.y))
     }
@@ -154,7 +154,7 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// A grid of the values that `value` returns for the cells; it is called row by row.
+    /// A grid of the values that `value` returns for the cells; `value` is called row by row.
     pub fn from_fn(frame: GridGeometry, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
@@ -200,10 +200,10 @@ impl<T> Grid<T> {
     }
 
     /// A picture that shows each cell as a square of `pixels` x `pixels` in its colour (red, green, blue); x points to
-    /// the right, y upwards.
+    /// the right, y upwards. If `pixels` is 0, the picture is empty.
     ///
     /// # Panics
-    /// If `pixels` is 0 or a side of the picture has 2^32 pixels or more.
+    /// If a side of the picture has 2^32 pixels or more.
     pub fn picture(&self, pixels: u32, colour: impl Fn(&T) -> [u8; 3]) -> RgbImage {
         let side = |cells: usize| u32::try_from(cells).ok().and_then(|cells| cells.checked_mul(pixels));
         let (Some(width), Some(height)) = (side(self.frame.columns), side(self.frame.rows)) else {

@@ -1,8 +1,7 @@
 //! Inverse model of a wide sonar: a fuzzy set of the points that may have echoed, and its shadow on the plane of a map.
 //!
-//! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in [0,
-//! 2 pi) and r in
-//! [0, r_max].
+//! Source: Gois and Hiller, sections 2 and 3. Their Eq. 1 has the domains of beta and r exchanged: here beta is in
+//! [0, 2 pi) and r in [0, r_max].
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
@@ -90,9 +89,8 @@ impl SonarModel {
         1.0
     }
 
-    /// Membership of the distance `r` in the set R of a reading `measured`, both m: a Gaussian of the relative error; 0
-    /// outside
-    /// [0, r_max].
+    /// Membership of the distance `r` in the set R of a reading `measured`, both m: a Gaussian of the relative error;
+    /// 0 outside [0, r_max].
     pub fn membership_of_r(&self, r: f64, measured: f64) -> f64 {
         if !(0.0..=self.max).contains(&r) {
             return 0.0;
@@ -120,8 +118,9 @@ impl SonarModel {
         (membership >= self.min_membership).then_some(Shadow { membership, height })
     }
 
-    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It takes
-    /// `steps` times as long and serves as a comparison.
+    /// Shadow with the errors of the distance (R): the maximum of S over `steps` + 1 equally spaced heights, from the
+    /// maximum distance below the sonar to the same distance above it. This method is for comparison; it takes about
+    /// `steps` times as long as [`shadow`](Self::shadow).
     pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
         let max_distance = measured * (1.0 + 2.0 * self.epsilon);
         let height = |step: usize| sonar.origin.z + max_distance * (2.0 * step as f64 / steps as f64 - 1.0);

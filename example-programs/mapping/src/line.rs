@@ -1,10 +1,11 @@
 //! Cells on a straight line, by three algorithms.
 //!
 //! - [`supercover`]: exactly the cells that the line touches;
-//! - [`point_by_point`]: steps along one axis at a time, chosen by the sign of a deviation, as in numerically controlled machines. It needs
-//!   only integer additions, which suits an 8-bit controller (Wu et al. 2013, "Local Model Establishment");
-//! - [`dda`]: the digital differential analyser ("digital integration" in the same section). It steps along the longer axis and rounds the
-//!   coordinate of the other one.
+//! - [`point_by_point`]: steps along one axis at a time, chosen by the sign of a deviation, as in numerically
+//!   controlled machines. It needs only integer additions, which suits an 8-bit controller (Wu et al. 2013, "Local
+//!   Model Establishment");
+//! - [`dda`]: the digital differential analyser ("digital integration" in the same section). It steps along the longer
+//!   axis and rounds the coordinate of the other one.
 //!
 //! The last two connect the middles of two cells, which are dx columns and dy rows apart. Point-by-point comparison
 //! makes |dx| + |dy| steps, each to a cell with a common side, and may deviate from the line by nearly a cell. DDA
@@ -76,7 +77,7 @@ pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
 
 /// The cells from `from` to `to` by DDA, both included.
 ///
-/// The integer closed form of two accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to the
+/// This is the closed form of two integer accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to the
 /// accumulator of each axis, and an overflow is a step along this axis. The accumulators begin half full, so the
 /// shorter axis is rounded to the nearest cell.
 pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {

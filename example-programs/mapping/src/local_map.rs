@@ -68,7 +68,7 @@ impl LocalMap {
     /// and Venditelli 1999); Gois and Hiller use readings only as evidence of occupied points.
     ///
     /// # Panics
-    /// If a number is not finite.
+    /// If a number is not finite, or a cell to be lowered is more than a right angle off the line of sight.
     pub fn clear(&mut self, sonar: &SonarPose, distance: f64, half_angle: f64, height: f64) {
         let partition = *self.tsk.partition();
         let yaw = math::atan2(sonar.axis.y, sonar.axis.x);

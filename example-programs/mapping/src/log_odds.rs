@@ -1,8 +1,8 @@
 //! Bayesian occupancy grid: each cell stores the log-odds l = ln(p / (1 - p)) of its probability p of being occupied.
 //!
 //! The initial odds are even. An independent reading z with the inverse sensor model p(occupied | z) adds
-//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So as much evidence as made a cell wrong, at most [`LIMIT`],
-//! corrects it.
+//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So a wrong cell is corrected by as much evidence as
+//! made it wrong, at most [`LIMIT`].
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 
@@ -23,8 +23,8 @@ pub fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + math::exp(-log_odds))
 }
 
-/// Evidence of a reading for the cells of its beam, scaled by 1 - (angle / half angle)^2. The angle is that from the
-/// middle of the beam.
+/// Evidence of a reading for the cells of its beam, scaled by 1 - (angle / half angle)^2. The angle is
+/// measured from the middle of the beam.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SonarModel {
     /// The beam.

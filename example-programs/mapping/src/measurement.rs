@@ -130,7 +130,7 @@ impl Ranges<'_> {
         (-half..=half).map(|index| (index, direction(index as f64 * TAU / BINS as f64))).collect()
     }
 
-    /// Expected reading of a sonar with this heading, rounded to the nearest bin.
+    /// Expected reading of a sonar whose heading is rounded to the nearest bin; infinite if nothing is in its beam.
     fn expected_distance(&self, view: &[f64], beam: &[(i64, Vector)], heading: f64) -> f64 {
         let middle = bin(heading).round() as i64;
         let (rim, slope) = (Vector::new(self.radius, 0.0), math::tan(self.half_angle));

@@ -19,10 +19,10 @@ pub struct OccupancyGrid {
     /// Height of the lower faces of the lowest voxels, m.
     bottom: f64,
     layers: usize,
-    /// Certainty of each voxel to be empty: cell by cell in the order of the partition's slots, in each cell from the
+    /// Certainty of each voxel of being empty: cell by cell in the order of the partition's slots, in each cell from the
     /// bottom up.
     empty: Vec<f32>,
-    /// Certainty of each voxel to be occupied, in the same order.
+    /// Certainty of each voxel of being occupied, in the same order.
     occupied: Vec<f32>,
 }
 
@@ -240,7 +240,7 @@ impl BeamParameters {
     }
 }
 
-/// exp(-`steepness` alpha^2) of the angle alpha with this cosine, which is at most a right angle; exact to 1e-4.
+/// exp(-`steepness` alpha^2), where the angle alpha has this cosine and is at most a right angle; exact to 1e-4.
 ///
 /// Uses series for acos^2 about 1 and for the exponential function of a 16th of the exponent; the 16th power of the
 /// latter is the result. There are no branches, so compilers can vectorise it.

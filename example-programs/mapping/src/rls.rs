@@ -48,8 +48,8 @@ fn column_start(j: usize) -> usize {
 impl Rls {
     /// Parameters with the prior `mean` and `variance`, independent of each other.
     ///
-    /// `forgetting` is in (0, 1]; 1 means no forgetting. Below 1, the variance of the measured combination of
-    /// parameters is at least (1 - forgetting) times the variance of the equation, so the memory is about
+    /// `forgetting` is in (0, 1]; 1 means no forgetting. Below 1, no update reduces the variance of the measured
+    /// combination of parameters below (1 - forgetting) times the variance of the equation, so the memory is about
     /// 1 / (1 - forgetting) equations long.
     ///
     /// # Panics
@@ -74,18 +74,12 @@ impl Rls {
         &self.parameters
     }
 
-    /// Variance of one parameter.
-    ///
-    /// # Panics
-    /// If there is no such parameter.
+    /// Variance of one parameter; 0 if there is no such parameter.
     pub fn variance(&self, index: usize) -> f64 {
         (index..self.parameters.len()).map(|j| self.u(index, j) * self.u(index, j) * self.diagonal[j]).sum()
     }
 
-    /// Covariance of two parameters.
-    ///
-    /// # Panics
-    /// If there is no such parameter.
+    /// Covariance of two parameters; 0 if one of them does not exist.
     pub fn covariance(&self, first: usize, second: usize) -> f64 {
         let from = first.max(second);
         (from..self.parameters.len()).map(|j| self.u(first, j) * self.u(second, j) * self.diagonal[j]).sum()

@@ -60,9 +60,9 @@ pub enum Case {
     WallAhead,
     /// Continuous on both sides, with the largest of the three readings (Figure 2c): a corner.
     Corner,
-    /// Fault on the far side: continuous on one side only, where the neighbour's reading is smaller (Figure 3a).
+    /// Fault on the far side: continuous on one side only, where the neighbour's reading is not larger (Figure 3a).
     FaultBeyond,
-    /// Fault on the near side: continuous on one side only, where the neighbour's reading is not smaller (Figure 3b).
+    /// Fault on the near side: continuous on one side only, where the neighbour's reading is larger (Figure 3b).
     FaultBefore,
     /// Continuous on neither side (Figure 4).
     FaultBothSides,

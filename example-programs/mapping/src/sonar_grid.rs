@@ -1,7 +1,7 @@
 //! Plain sonar grid: a reading is evidence that its cone is free and its arc occupied.
 //!
 //! Two counters of each cell count how often the cell was in an arc and how often it was in the cone in front of an
-//! arc. Its probability is the fraction of the arcs. The grid is the reference for [`sector`](crate::sector).
+//! arc. A cell's probability is the fraction of arcs. The grid is the reference for [`sector`](crate::sector).
 //!
 //! Source: arcs and cones as in Moravec & Elfes 1985; counters as in the histogram grids of Borenstein & Koren 1991 and
 //! the counting model of Hähnel et al. 2003. All cells of a beam have the same weight (our choice).

@@ -38,7 +38,7 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// Starts with an empty map. The robot is at the map's origin, with a pose that is exactly known.
+    /// Starts with an empty map. The robot's pose in the map's frame is (0, 0) with the heading 0, known exactly.
     pub fn new(frame: GridGeometry, fan: Fan, raster: Raster, correction: Correction) -> Self {
         let start = Pose::new(0.0, 0.0, 0.0);
         Self {

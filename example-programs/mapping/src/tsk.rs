@@ -56,7 +56,7 @@ impl Partition {
         self.row_range().flat_map(move |row| columns.clone().map(move |column| (column, row)))
     }
 
-    /// Cells within `reach` m of (x, y) along either axis.
+    /// Cells within `reach` m of (x, y) along each axis.
     pub fn cells_around(&self, x: f64, y: f64, reach: f64) -> impl Iterator<Item = CellIndex> + use<> {
         self.cells_within(x, y, [-reach, reach], [-reach, reach])
     }
@@ -239,7 +239,7 @@ fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Optio
 /// The height map.
 ///
 /// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the middle of its cell and in
-/// units of cells. It is the paper's plane, with coefficients of similar magnitude.
+/// units of cells. This is the paper's plane, with coefficients of similar magnitude.
 #[derive(Clone, Debug)]
 pub struct Tsk {
     partition: Partition,
@@ -260,7 +260,7 @@ impl Tsk {
     /// A surface with the prior only, without readings.
     ///
     /// # Panics
-    /// If a standard deviation is not above 0, or `forgetting` not in (0, 1].
+    /// If a prior standard deviation is not above 0 and finite, or `forgetting` is not in (0, 1].
     pub fn new(partition: Partition, settings: Settings) -> Self {
         let (slots, count) = (partition.columns * partition.rows, settings.order.parameters());
         let rls = |count: usize| {
@@ -339,7 +339,7 @@ impl Tsk {
     /// a reading.
     ///
     /// # Panics
-    /// If a number is not finite, or the slot is not one of the partition.
+    /// If a number is not finite, `weight` is not above 0, or the slot is not one of the partition.
     pub fn add_height(&mut self, activation: &Activation, weight: f64) {
         let sigma = self.settings.reading_sigma;
         let variance = sigma * sigma / weight;

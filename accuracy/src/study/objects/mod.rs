@@ -136,7 +136,7 @@ mod tests {
                 assert!(fine > 0.05 && fine < 0.25, "{name}: {fine}");
                 continue;
             }
-            // A tenth of the path, so no object has passed through a wall or another object.
+            // The limit is a tenth of the path, so no object has passed through a wall or another object.
             assert!(coarse < 0.1, "{name}: {coarse}");
             // `fine` has a tenth of the step of `coarse`. The depth of the light ball decreases with the square root of
             // the step.
@@ -157,7 +157,7 @@ mod tests {
     fn elastic_impacts_conserve_momentum_and_energy() {
         for (name, error) in errors(case::conserving, STEP).into_iter().filter(|(name, _)| name.ends_with(", elastic"))
         {
-            // Rounding; the crowd may lose energy where three discs meet.
+            // The limit allows for rounding; the crowd may lose energy where three discs meet.
             let limit = if name.starts_with("36") { 0.1 } else { 1e-12 };
             assert!(error < limit, "{name}: {error}");
         }

@@ -18,7 +18,7 @@ pub const STUDY: Study = Study {
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 /// Number of messages.
 const COUNT: usize = 5_000;
-/// Offered load, so low that messages rarely collide.
+/// Offered load; it is so low that messages rarely collide.
 const LOAD: f64 = 0.01;
 const STATIONS: u32 = 5;
 

@@ -17,7 +17,7 @@ const OFFERED: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5];
 const STATIONS: [u32; 4] = [2, 5, 10, 20];
 const LOADS: [f64; 6] = [0.05, 0.2, 0.4, 0.6, 0.7, 0.8];
 
-/// Throughput of unslotted ALOHA: messages of many stations at random instants, as received by one of them.
+/// Throughput of unslotted ALOHA: many stations send messages at random instants to another station.
 ///
 /// The formula is S = G exp(-2 G); source: Abramson 1970.
 pub fn aloha(effort: Effort) -> Part {
