@@ -42,7 +42,7 @@ impl LastCallSite {
     }
 }
 
-/// [`CallSite`] with atomic fields, which any thread may write; same fields in the same order.
+/// [`CallSite`] with atomic fields, which any thread may write; it has the same fields in the same order.
 #[repr(C)]
 struct LastCall {
     address: AtomicPtr<u8>,

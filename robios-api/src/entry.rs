@@ -14,7 +14,7 @@ use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED, Status};
 use crate::robot::Stopped;
 use crate::{Robot, call_site};
 
-/// Exit code of a program whose `main` returned an error, as of any Rust program.
+/// Exit code of a program whose `main` returned an error; any Rust program then has this code.
 const EXIT_FAILED: c_int = 1;
 
 /// Exports a function as the robot program of this library, under the symbol that the simulator looks up.

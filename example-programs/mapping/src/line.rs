@@ -77,8 +77,8 @@ pub fn point_by_point(from: Cell, to: Cell) -> Vec<Cell> {
 
 /// The cells from `from` to `to` by DDA, both included.
 ///
-/// This is the closed form of two integer accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to the
-/// accumulator of each axis, and an overflow is a step along this axis. The accumulators begin half full, so the
+/// This is the closed form of two integer accumulators of size max(|dx|, |dy|): at each tick, |dx| or |dy| is added to
+/// the accumulator of each axis, and an overflow is a step along this axis. The accumulators begin half full, so the
 /// shorter axis is rounded to the nearest cell.
 pub fn dda(from: Cell, to: Cell) -> Vec<Cell> {
     let (total_x, total_y, cell_after) = steps(from, to);

@@ -19,8 +19,8 @@ pub struct OccupancyGrid {
     /// Height of the lower faces of the lowest voxels, m.
     bottom: f64,
     layers: usize,
-    /// Certainty of each voxel of being empty: cell by cell in the order of the partition's slots, in each cell from the
-    /// bottom up.
+    /// Certainty of each voxel of being empty: cell by cell in the order of the partition's slots, in each cell from
+    /// the bottom up.
     empty: Vec<f32>,
     /// Certainty of each voxel of being occupied, in the same order.
     occupied: Vec<f32>,

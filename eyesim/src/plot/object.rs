@@ -10,7 +10,7 @@ use sim_core::spec::{Axis, Collider, ObjectType};
 use super::colour::{INK, OBJECT, SHADE};
 use super::drawing::{Drawing, Form, Line, Paint, Shape, Symbol};
 
-/// Segments of a half circle's outline.
+/// Number of segments of a half circle's outline.
 const ARC: u32 = 12;
 
 /// Outline of a collider.

@@ -19,7 +19,7 @@ use super::viewport::{LEFT, LEGEND, RIGHT, TOP, Viewport, metres, round_step};
 
 /// Units per pixel: a quarter of a pixel is fine enough for the eye.
 const UNIT: i32 = 4;
-/// Pictures with more pixels than this are drawn with half the units per pixel, to save memory.
+/// PNG pictures with more pixels than this are drawn with half the units per pixel, to save memory.
 const MANY_PIXELS: u64 = 4_000_000;
 /// Details smaller than this number of pixels are omitted.
 const MIN_DETAIL: f64 = 5.0;
@@ -76,7 +76,7 @@ pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, Pl
     png(width, height, &mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
 }
 
-/// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. Smooths all edges.
+/// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. This smooths all edges.
 fn mean_of_blocks(pixels: &[u8], width: usize, side: usize) -> Vec<u8> {
     let mut means = Vec::with_capacity(pixels.len() / (side * side));
     let mut sums = vec![0u32; 3 * (width / side)];
@@ -242,7 +242,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         points.iter().map(|point| self.viewport.pixel_of(*point)).collect()
     }
 
-    /// Draws an arrow of 20 pixels from `at` along `direction`, given in the world viewport.
+    /// Draws an arrow of 20 pixels from `at` (in pixels) along `direction`, a unit vector in the world frame.
     fn arrow(&mut self, at: DVec2, direction: DVec2, line: Line) -> Result<(), PlotError> {
         let forward = DVec2::new(direction.x, -direction.y);
         let tip = at + 20.0 * forward;
@@ -339,7 +339,7 @@ fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |number| number as f64 * step)
 }
 
-/// Cuts `text` to `width` pixels, and adds a marker at the cut.
+/// Shortens `text` to at most `width` pixels; an ellipsis marks the cut.
 pub fn shortened(text: &str, height: f64, width: f64) -> String {
     if text_width(text, height) <= width {
         return text.to_owned();

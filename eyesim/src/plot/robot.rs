@@ -286,7 +286,7 @@ fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     }
 }
 
-/// Points of the arc about `centre` in the robot's frame, counter-clockwise between two angles from forward.
+/// Points, in the world frame, of an arc about `centre` (robot's frame). The angles are counter-clockwise from forward.
 fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2> {
     let steps = ((to - from).abs() / (PI / 36.0)).ceil().clamp(1.0, 144.0) as u32;
     let point = |step: u32| {
@@ -296,7 +296,7 @@ fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2
     (0..=steps).map(point).collect()
 }
 
-/// Labels each device with its name and range, in the picture of a single robot.
+/// Labels each sensor, in the picture of a single robot, with its name and its range, image size or number of points.
 pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let mut label = |text: String, point: DVec2, towards: DVec2| {
         let at = pose.transform_point(point);

@@ -28,7 +28,7 @@ pub fn draw_ground(mut drawing: Drawing, scene: &SceneSpec, mesh_reader: &mut Me
     drawing
 }
 
-/// Draws the world with robots at their starts, objects and markers.
+/// Draws the world with its markers and objects, and the robots at their starts.
 pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
     let mut drawing = draw_ground(Drawing::new(title(scene)), scene, mesh_reader);

@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, HeaderName, header};
 /// Rights of pages to watch and to act.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Every page may act: for the loopback address.
+    /// Every page may act; for a server at the loopback address.
     Local,
     /// Every page may watch; a page with the token may act.
     Class {

@@ -255,7 +255,7 @@ impl Hub {
     }
 }
 
-/// Command of a page that waits to be carried out. Dropping it without an answer refuses it.
+/// A page's command, which waits to be carried out. Dropping the value without an answer refuses the command.
 pub struct PendingCommand {
     /// The command.
     pub command: Command,
@@ -344,7 +344,7 @@ pub(super) struct SentVersions {
     build: u64,
     detail: u64,
     lcd: Option<(u32, u64)>,
-    /// Version of the newest layer of the selected robot.
+    /// Version of the newest layer sent of the selected robot.
     layer: u64,
     /// Number of events of the run that the page has received or missed.
     events: u64,
@@ -359,7 +359,7 @@ impl SentVersions {
         self.layer = 0;
     }
 
-    /// New messages for a page that looks at `look`, in the order of sending.
+    /// New messages for a page with the request `look`, in the order of sending.
     pub(super) fn new_messages(&mut self, hub: &Hub, look: Option<Look>) -> Vec<Utf8Bytes> {
         let messages = self.collect(&lock(&hub.state), look);
         // Texts are serialised outside the lock, so that the simulation never waits for them.

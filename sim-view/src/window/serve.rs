@@ -31,7 +31,7 @@ use crate::page::Page;
 /// Maximum number of pages served at a time.
 const MAX_PAGES: usize = 64;
 /// Maximum number of pages of one address, so that no machine occupies the whole server. A class behind one router
-/// shares this limit; it does not apply to this machine.
+/// shares this limit; pages on this machine have no such limit.
 const MAX_PAGES_OF_ADDRESS: usize = 48;
 /// Maximum number of pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page
 /// gets an HTTP error.
