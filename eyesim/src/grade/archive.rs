@@ -19,7 +19,7 @@ pub const MAX_ENTRIES: usize = 20_000;
 const MAX_CLASS_BYTES: u64 = 1 << 30;
 /// Maximum number of entries of an archive with all submissions.
 const MAX_CLASS_ENTRIES: usize = 400_000;
-/// Maximum nesting depth of archives and folders.
+/// Maximum nesting depth of folders. A path in an archive has at most [`MAX_NESTED`] times as many parts.
 const MAX_DEPTH: usize = 12;
 /// Maximum nesting depth of archives, the outer one included.
 const MAX_NESTED: usize = 3;
@@ -33,7 +33,7 @@ const MAX_NAME: usize = 255;
 pub struct Contents {
     /// Contents of the files, by their paths with slashes.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// Remarks about links, devices and unsupported archives.
+    /// Remarks about links, devices, unsupported archives and names that are too long.
     pub notes: Vec<String>,
 }
 
@@ -199,8 +199,8 @@ impl<'w> Reader<'w> {
         self.read_file(name, bytes, 0)
     }
 
-    /// Adds a file with these contents, or opens it if it is an archive; `nested` is the number of archives that
-    /// contain it.
+    /// Adds a file with these contents if the file is wanted, or opens it if it is an archive; `nested` is the number of
+    /// archives that contain it.
     ///
     /// # Errors
     /// [`ArchiveError`].

@@ -55,7 +55,7 @@ pub fn is_wanted(submit: &[SubmitSpec], path: &str) -> bool {
 /// Chooses the files of each program. Files with a name in `supplied` are omitted: the suite supplies its own.
 ///
 /// # Errors
-/// A message for the student, if no file or too many files match.
+/// A message for the student, if the files that match do not form a program: none, too many, or of several kinds.
 pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Contents) -> Result<Choice, String> {
     let mut choice = Choice::default();
     let mut robots_of_path: BTreeMap<&str, &str> = BTreeMap::new();
@@ -197,7 +197,7 @@ fn is_submitted(submit: &SubmitSpec, path: &str) -> bool {
     })
 }
 
-/// The paths without duplicates: a file is omitted if a shorter path has the same file name and contents.
+/// The paths without duplicates: of files with the same name and contents, the one in the fewest folders is kept.
 fn without_copies<'p>(mut paths: Vec<&'p str>, contents: &Contents) -> Vec<&'p str> {
     paths.sort_by_key(|path| (path.matches('/').count(), *path));
     let mut kept: Vec<&str> = Vec::new();

@@ -222,7 +222,7 @@ impl Grader {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// The files of a submission that become programs; `None` if it is refused.
+    /// The files of a submission that become programs; `None` if the submission is refused or its files do not fit.
     pub fn choice(&self, submission: &Submission) -> Option<Choice> {
         self.choose(submission.contents.as_ref().ok()?).ok()
     }

@@ -17,7 +17,7 @@ const POLL: Duration = Duration::from_millis(100);
 /// `done` with each result as soon as it is complete. After an interrupt no further submission is graded.
 ///
 /// # Errors
-/// The system cannot start a process.
+/// The system cannot start a process or wait for one, or `done` fails.
 pub fn grade_all(
     grader: &mut Grader,
     submissions: &[Submission],

@@ -6,7 +6,7 @@ use super::canvas::{TEXT, text_width};
 use super::drawing::Label;
 use super::viewport::{LEFT, TOP, Viewport};
 
-/// Pixels between a label and its body, and between two labels.
+/// Pixels between a label and its body, and a part of the step between the distances at which a label is tried.
 const GAP: f64 = 3.0;
 /// Height of a label in pixels.
 const HEIGHT: f64 = TEXT + 2.0;
@@ -44,9 +44,9 @@ impl<'a> Labels<'a> {
         Self { viewport, occupied: Vec::new(), bodies }
     }
 
-    /// Places a label; returns its upper left corner in pixels, and its text. Of several positions around the body, it
-    /// takes the first free one, otherwise the first one that covers no other label. `None` if there is no such
-    /// position.
+    /// Places a label; returns its upper left corner in pixels, and its text. Takes the first of several positions
+    /// around the body that covers neither a label nor another body, otherwise the first one that covers no label.
+    /// `None` if there is no such position, or the labelled point is not visible.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.viewport.contains(label.at) {
             return None;

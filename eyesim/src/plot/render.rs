@@ -76,7 +76,7 @@ pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, Pl
     png(width, height, &mean_of_blocks(&buffer, fine.0 as usize, unit as usize))
 }
 
-/// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. This smooths all edges.
+/// Downsamples an image: each square of `side` times `side` pixels becomes one pixel, their mean. This smooths edges.
 fn mean_of_blocks(pixels: &[u8], width: usize, side: usize) -> Vec<u8> {
     let mut means = Vec::with_capacity(pixels.len() / (side * side));
     let mut sums = vec![0u32; 3 * (width / side)];

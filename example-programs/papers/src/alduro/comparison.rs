@@ -217,7 +217,7 @@ fn errors_table(results: &[Results]) -> Table {
 }
 
 /// Pairs of methods that are compared: TSK as printed with each projection of the grid and with the ridge of maximum
-/// evidence, and our method with all others.
+/// evidence, printed planes with printed constants, and our method with all others.
 fn compared() -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for first in PRINTED {

@@ -10,8 +10,8 @@ use mapping::pose::Point;
 
 use crate::page::{Picture, escaped};
 
-/// Colours from the lowest to the highest place (red, green, blue): dark blue through green to yellow. Brightness grows
-/// with height (our choice, after viridis by Smith and van der Walt).
+/// Colours from the lowest to the highest place (red, green, blue): violet through blue and green to yellow. Brightness
+/// grows with height (our choice, after viridis by Smith and van der Walt).
 const COLOURS: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
 /// Colour of unknown places.
