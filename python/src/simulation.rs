@@ -24,10 +24,10 @@ use sim_host::launch::{self, Scene};
 
 use super::error::{error, of_launch, scene_error};
 
-/// Interval of simulated time at which a step checks for an interrupt by the user.
+/// Interval of virtual time at which a step checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Time = Time::from_millis(10_000);
 
-/// Maximum simulated time that an argument may give, s.
+/// Maximum virtual time that an argument may give, s.
 const MAX_SECONDS: f64 = 1e9;
 
 /// A simulation and the scene from which it started.
@@ -332,7 +332,7 @@ pub fn parse_settings(py: Python<'_>, settings: &[String]) -> PyResult<Vec<Scene
     settings.iter().map(|text| SceneSetting::parse(text).map_err(|failed| error(py, failed))).collect()
 }
 
-/// A span of simulated time from 0 on, rounded up to a microsecond; `name` is the argument's.
+/// A span of virtual time from 0 on, rounded up to a microsecond; `name` is the name of the argument.
 pub fn duration(py: Python<'_>, name: &str, seconds: f64) -> PyResult<Time> {
     if !(0.0..=MAX_SECONDS).contains(&seconds) {
         return Err(error(py, format!("{name} = {seconds}: expected 0 to 1e9 seconds")));
@@ -340,7 +340,7 @@ pub fn duration(py: Python<'_>, name: &str, seconds: f64) -> PyResult<Time> {
     Ok(Time::from_seconds_ceil(seconds))
 }
 
-/// A span of simulated time above 0.
+/// A span of virtual time above 0.
 pub fn length(py: Python<'_>, name: &str, seconds: f64) -> PyResult<Time> {
     match duration(py, name, seconds)? {
         Time(0) => Err(error(py, format!("{name} = {seconds}: expected more than 0 seconds"))),

@@ -238,7 +238,7 @@ impl TimerJob {
         Ok(Rc::new(Self { robot: robot.clone(), function: RefCell::new(function) }))
     }
 
-    /// The callback that the host calls as long as the job exists.
+    /// The callback for the host; the job must exist until the callback is detached.
     pub(crate) fn callback(job: &Rc<Self>) -> Callback {
         Callback { code: Some(call_job), data: Rc::as_ptr(job).cast_mut().cast() }
     }

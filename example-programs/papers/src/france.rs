@@ -1,8 +1,8 @@
 //! France et al. 1999, sections 5 and 6: proximity sensors on the leg of a walking robot.
 //!
 //! The biped walks through a dining room towards a small obstacle, once for each sensor, mount point and noise setting
-//! (no noise, or the noise of section 5). Its program computes the profile of the ground. This module compares the profile with
-//! the truth.
+//! (no noise, or the noise of section 5). Its program computes the profile of the ground. This module compares the
+//! profile with the truth.
 
 pub mod floors;
 mod side;

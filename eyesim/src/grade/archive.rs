@@ -199,8 +199,8 @@ impl<'w> Reader<'w> {
         self.read_file(name, bytes, 0)
     }
 
-    /// Adds a file with these contents if the file is wanted, or opens it if it is an archive; `nested` is the number of
-    /// archives that contain it.
+    /// Adds a file with these contents if the file is wanted, or opens it if it is an archive; `nested` is the number
+    /// of archives that contain it.
     ///
     /// # Errors
     /// [`ArchiveError`].

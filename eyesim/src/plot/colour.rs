@@ -1,4 +1,5 @@
-//! Colours of the pictures from above: the palette of Okabe & Ito, which is distinct with any kind of colour vision, and greys.
+//! Colours of the pictures from above: the palette of Okabe & Ito, which is distinct with any kind of colour vision,
+//! and greys.
 //!
 //! Colour is never the only distinction: shapes differ too, and robots have numbers.
 

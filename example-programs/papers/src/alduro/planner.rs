@@ -124,8 +124,8 @@ fn differences(all: &[Walks]) -> Table {
     table
 }
 
-/// Claim that both equations are better than A* alone. Its basis is [`Basis::Set`] if A* alone fails so rarely that even
-/// a planner that never fails would not be better.
+/// Claim that both equations are better than A* alone. Its basis is [`Basis::Set`] if A* alone fails so rarely that
+/// even a planner that never fails would not be better.
 fn claim(all: &[Walks], noise: &str) -> Claim {
     let (alone, both) = (find(all, noise, ALONE).failures(), find(all, noise, BOTH).failures());
     let difference = Difference::of(&both, &alone);

@@ -36,7 +36,7 @@ pub enum Condition {
     AsAssumed,
     /// Sonars with a narrower beam: 20 degrees from the line of sight to its points of -6 dB instead of 27.5.
     Beam,
-    /// The noise of sonars in the profile `harsh`: three to four times the errors, a bias, outliers and more lost echoes.
+    /// The noise of sonars in the profile `harsh`: 3 to 4 times the errors, a bias, outliers and more lost echoes.
     Noise,
     /// Poses from odometry with systematic errors.
     Odometry,

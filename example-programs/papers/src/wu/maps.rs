@@ -162,8 +162,8 @@ impl Mapped {
         (pairs.iter().filter(is_continuous).count(), pairs.iter().filter(as_printed).count(), pairs.len())
     }
 
-    /// Counts free cells that the map classifies as occupied: those that more stops classified as free than as
-    /// occupied, all of them, and those of the first count that adding the same local grids as log-odds corrects.
+    /// Three counts of free cells that the map classifies as occupied: the cells that more stops classified as free
+    /// than as occupied, all cells, and the cells of the first count that log-odds of the same local grids correct.
     pub fn stuck(&self) -> (usize, usize, usize) {
         let frame = *self.truth.frame();
         let mut votes = Grid::new(frame, (0_u32, 0_u32));
@@ -263,7 +263,7 @@ impl Mapped {
     }
 
     fn wu_log_odds(&self, frame: &GridGeometry) -> Grid<f64> {
-        // Certain cells have the weight of the most certain echo, other than the robot's own body.
+        // Limits the evidence of one stop: probabilities of 0 and 1, as under the robot, have infinite log-odds.
         const SUREST: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in &self.readings {

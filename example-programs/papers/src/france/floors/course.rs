@@ -32,7 +32,7 @@ const SIZE: DVec2 = DVec2::new(13.0, 3.0);
 const LEVEL: f64 = 1.0;
 /// Depth of the ground below the level floor to which a hole may reach, m.
 const DEPTH: f64 = 0.3;
-/// Lines under the feet, to the left of the body's centre, m.
+/// Lateral positions of the lines under the feet, m to the left of the body's centre.
 pub const LINES: [f64; 2] = [-0.09, 0.09];
 /// Number of readings between two postures that are kept for a drawing: half a gait cycle.
 const DRAWN: usize = 22;
@@ -162,18 +162,18 @@ pub struct Course {
     pub legs: Vec<[Vec<DVec3>; 2]>,
     /// Distance of each point of the program's profile from the true hit, m.
     pub profile_errors: Vec<f64>,
-    /// Difference between each reading of the simulator and the same reading from the trace, m.
+    /// Difference between each reading of the program and the reading computed from the posture in the trace, m.
     pub reading_errors: Vec<f64>,
 }
 
 /// Walks over the three floors of each seed, in the order of [`Floor::ALL`].
 ///
 /// # Errors
-/// A scene that does not run to its end.
+/// If a scene does not run to its end.
 pub fn courses(job: &Job, seeds: &[u64]) -> anyhow::Result<Vec<[Course; 3]>> {
     let cases: Vec<(u64, Floor)> = seeds.iter().flat_map(|seed| Floor::ALL.map(|floor| (*seed, floor))).collect();
     let name = |(seed, floor): &(u64, Floor)| format!("{}-{seed}", floor.name());
-    // Short slots, since the trace has the true posture only at a slot's end; nothing else depends on them.
+    // Short slots, since the trace has the true posture only at a slot's end; nothing else depends on their length.
     let options = Options { slot: Some(Time::from_millis(2)), ..job.options() };
     let run = |case: &(u64, Floor)| {
         let scene = Scene::Text(case.1.scene(case.0));

@@ -174,14 +174,14 @@ pub struct Score {
     pub safe: (usize, usize),
 }
 
-/// Number of the judged places.
+/// Positions of the judged places, m ahead of the start.
 fn places() -> impl Iterator<Item = f64> {
     let (first, last, apart) = JUDGED;
     (0..=((last - first) / apart).round() as usize).map(move |index| first + apart * index as f64)
 }
 
 /// The height of each judged place as the profile gives it when the body is `lead` before it: the mean of the points
-/// within `radius`, else the height of the nearest point; `None` if the place under the body is nearer.
+/// within `radius`, else the height of the nearest point; `None` if no point is nearer than the body.
 pub fn known<'a>(
     course: &'a Course,
     points: &'a [Point],

@@ -21,7 +21,7 @@ pub struct Drive {
     pub path: f64,
     /// Number of contacts.
     pub contacts: usize,
-    /// Looks of each stop, with poses by odometry, each with its true pose.
+    /// Scans of each stop, with poses by odometry; each scan has its true pose.
     stops: Vec<Vec<(Scan, Pose)>>,
 }
 

@@ -175,7 +175,7 @@ impl Case {
         Run { name: self.name.clone(), scene: Scene::Text(self.scene.clone()), options }
     }
 
-    /// GridGeometry of the map, as in the robot's arguments, m.
+    /// Geometry of the map's grid, as in the robot's arguments, m.
     pub fn frame(&self) -> mapping::grid::GridGeometry {
         let ends = || self.walls.iter().flatten();
         let round = |edge: f64| (1e3 * edge).round() / 1e3;
