@@ -47,8 +47,8 @@ pub(crate) struct ProgramState {
     pub(crate) failure: OnceLock<i32>,
 }
 
-/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so it
-/// is never half done.
+/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so a
+/// panic leaves no change half done.
 pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }

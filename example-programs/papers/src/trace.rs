@@ -1,4 +1,4 @@
-//! A sink that keeps the events of a run from which pages are made, as typed values.
+//! A sink that keeps, as typed values, those events of a run from which pages are made.
 
 use sim_core::record::{self, Digest, Kind, KindSet, Record, WORLD};
 use sim_core::time::Time;

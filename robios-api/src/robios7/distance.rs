@@ -10,7 +10,7 @@ use crate::robot::robios7;
 use crate::unit::{Angle, Length};
 use crate::{Error, Result};
 
-/// Value of sensors that are out of range, in millimetres.
+/// Reading of a sensor with nothing in range, in millimetres.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
 /// Name of a PSD sensor.

@@ -15,7 +15,7 @@ pub struct Robot(pub(crate) crate::Robot);
 /// Settings that cannot be queried from RoBIOS-7.
 #[derive(Debug)]
 pub(crate) struct DeviceSettings {
-    /// The last drive was a turn on the spot.
+    /// True if the last drive was a turn on the spot.
     pub is_turning: Cell<bool>,
     /// Setting of the laser scanner: angle in degrees, and number of points.
     pub scan: Cell<(u16, u16)>,

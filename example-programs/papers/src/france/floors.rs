@@ -20,7 +20,7 @@ use crate::alduro::on_two_threads;
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::Job;
 
-/// First seeds of training and held-out floors for the seed 1; those of another seed are farther by a multiple of
+/// First seeds of the training and the held-out floors for the seed 1; another seed moves them up by a multiple of
 /// 100,000.
 const TRAINING: u64 = 340_000;
 const HELD_OUT: u64 = 345_000;
@@ -31,14 +31,14 @@ const SEEDS: usize = 50;
 /// Rules of a search; one evaluation is one seed, with its three floors, and one setting.
 const SEARCH: Search = Search { cases: SEEDS, few: 12, budget: 3000, first: 8 };
 const GAIN: f64 = 0.005;
-/// Tilts from which the searches begin, degrees. Search k begins with tilt k at the first sensor; the tilts of the
-/// others are each one further in the list, in later rounds through the list two, three and four.
+/// Tilts from which the searches begin, degrees. The first sensor begins with tilt k modulo 6 in search k. From each
+/// sensor to the next, the tilt moves on in this list: by one in searches 0 to 5, by two in searches 6 to 11, and so on.
 const TILTS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 75.0, 90.0];
 const SEARCHES: usize = 4 * TILTS.len();
 const NAMES: [[&str; 2]; SENSORS] = [["below 1", "tilt 1"], ["below 2", "tilt 2"], ["below 3", "tilt 3"]];
 
-/// Decision: one more sensor is worth its place if the error falls by at least this share of the error without it, and
-/// the interval of the difference excludes 0.
+/// Decision rule: one more sensor is worth its place if the error falls by at least this fraction of the error without
+/// that sensor, and the interval of the difference excludes 0.
 const WORTH: f64 = 0.05;
 /// Tolerance of the program's profile and of readings that are computed from the trace, m.
 const EXACT: f64 = 0.01;
@@ -72,8 +72,8 @@ enum Kind {
 }
 
 impl Method {
-    /// No sensor, the scene's, one at the height of the hips, and one to three sensors at all places; of two mirrored
-    /// placements only the first.
+    /// All methods: no sensor, the scene's sensor, a sensor on the body at the height of the hips, and one to three
+    /// sensors at all places. Of two mirrored placements, only the first is included.
     fn all() -> Vec<Self> {
         let method = |kind, places: &[Place]| Self { places: places.to_vec(), kind };
         let mut all =
@@ -236,7 +236,7 @@ impl Results {
         })
     }
 
-    /// No sensor, all single ones, and the best of each number.
+    /// The results with at most one sensor, and the best result of each number of sensors.
     fn shown(&self) -> Vec<&Judged> {
         let is_shown = |(index, result): &(usize, &Judged)| {
             result.method.places.len() < 2 || self.best.contains(index) || self.on_legs.contains(index)
@@ -249,10 +249,10 @@ impl Results {
     }
 }
 
-/// Makes the page, with so many training and as many held-out seeds, 50 if not given.
+/// Makes the page, with `seeds` training seeds and as many held-out ones (50 by default).
 ///
 /// # Errors
-/// A scene that does not run to its end; a search that does not enclose the optimum.
+/// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     let seeds = seeds.unwrap_or(SEEDS) as u64;
     let from = |first: u64| {
@@ -272,7 +272,7 @@ pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     let mut all: Vec<Judged> =
         methods.into_iter().zip(tuned).map(|(method, tuned)| Judged { method, tuned, scores: Vec::new() }).collect();
     let tilts = tilt_chart(&all, &training)?;
-    // Nothing is chosen from here on.
+    // The held-out floors influence no choice: `Results` chooses by training errors.
     let held_out = courses(job, &from(HELD_OUT))?;
     let scores = on_two_threads(&all, |result| Ok(result.judge(&held_out, &SEARCHED)))?;
     all.iter_mut().zip(scores).for_each(|(result, scores)| result.scores = scores);
@@ -298,11 +298,10 @@ pub fn run(job: &Job, seeds: Option<usize>) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// Computes the rows of the first two held-out seeds in the table of all errors again, from the table of exact
-/// settings.
+/// Recomputes the rows of the first two held-out seeds in the table of all errors from the table of exact settings.
 ///
 /// # Errors
-/// A table without settings for all methods; a scene that does not run to its end.
+/// If the table lacks settings for a method, or a scene does not run to its end.
 pub fn sample(job: &Job, settings: &str) -> anyhow::Result<Vec<String>> {
     let lines: Vec<&str> = settings.lines().skip(1).collect();
     let methods = Method::all();
@@ -333,7 +332,7 @@ fn interval(values: &[f64]) -> String {
     format!("{mean:.1} ({low:.1} to {high:.1})")
 }
 
-/// Mean difference with its interval, and the number of seeds on which the first is better.
+/// Mean difference with its interval, and the number of seeds on which the first method is better.
 fn words(difference: &Difference) -> String {
     let Interval { mean, low, high, .. } = difference.interval;
     format!("{mean:+.1} ({low:+.1} to {high:+.1}) mm, better on {} of {}", difference.wins, difference.cases)
@@ -444,7 +443,7 @@ fn settings(results: &Results) -> Table {
     table
 }
 
-/// Share of the first number that is the second, in percent.
+/// The second number as a percentage of the first, both summed over the scores.
 fn share<'a>(scores: impl Iterator<Item = &'a Score>, of: fn(&Score) -> (usize, usize)) -> String {
     let (all, part) = scores.map(of).fold((0, 0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
     format!("{:.1} %", 100.0 * part as f64 / all as f64)
@@ -507,7 +506,7 @@ fn raw(results: &Results, seeds: &[u64]) -> Table {
     table
 }
 
-/// Floors, legs, and what is known of the floors one step ahead.
+/// Figure of the floors, the legs, and the heights that are known one step ahead.
 fn walks(results: &Results, case: &Case) -> Figure {
     /// Height of a panel, and the drawn part of the way, m.
     const PANEL: f64 = 2.0;
