@@ -177,7 +177,7 @@ mod tests {
         Belief { mean: Pose::new(1.0, 2.0, 0.5), covariance: Matrix3::from_diagonal(&variances) }
     }
 
-    /// The information of a product of two normal distributions is the sum of their information.
+    /// The information matrix of a product of two normal distributions is the sum of their information matrices.
     #[test]
     fn correction_by_a_normal_likelihood_gives_the_exact_product() {
         let prior = belief([0.1, 0.05, 0.1]);

@@ -1,7 +1,7 @@
 //! `radio` and `radio-latency`: the channel compared with the formulas of its media, and the effect of the slot length.
 //!
 //! All messages go through the channel of `sim_core`, some of them also through stations, slot by slot. The study
-//! measures the share of intact messages, the throughput, and the waiting time relative to its formula. The error is
+//! measures the fraction of intact messages, the throughput, and the waiting time relative to its formula. The error is
 //! the absolute difference from the formula. If measurement and formula differ only by chance, the mean error is a
 //! quarter of the half width of the interval in the picture (0.8 of 3.29 standard errors). Sample sizes do not depend
 //! on the effort, so pictures are always the same; only the number of repeated timings depends on it.

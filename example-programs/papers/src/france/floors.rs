@@ -32,7 +32,7 @@ const SEEDS: usize = 50;
 const SEARCH: Search = Search { cases: SEEDS, few: 12, budget: 3000, first: 8 };
 const GAIN: f64 = 0.005;
 /// Tilts from which the searches begin, degrees. The first sensor begins with tilt k modulo 6 in search k. From each
-/// sensor to the next, the tilt moves on in this list: by one in searches 0 to 5, by two in searches 6 to 11, and so on.
+/// sensor to the next, the tilt moves on in this list: by one in searches 0 to 5, by two in searches 6 to 11, etc.
 const TILTS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 75.0, 90.0];
 const SEARCHES: usize = 4 * TILTS.len();
 const NAMES: [[&str; 2]; SENSORS] = [["below 1", "tilt 1"], ["below 2", "tilt 2"], ["below 3", "tilt 3"]];

@@ -266,7 +266,7 @@ mod tests {
         assert_eq!((blind.hazards.1, blind.safe.1), (0, 0));
     }
 
-    /// Errors that are planted into a profile come out of its score.
+    /// The score of a profile with known errors contains these errors.
     #[test]
     fn planted_errors_are_found() {
         let course = Course::gliding(Floor::Uneven, 7, 0.0);
