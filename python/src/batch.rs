@@ -1,4 +1,4 @@
-//! Batch of simulations of one scene; one call steps all of them on all cores.
+//! Batch of simulations of one scene; one call steps all of them on several threads.
 
 use std::sync::Arc;
 use std::thread;
@@ -62,7 +62,7 @@ struct Beginnings {
     slot: Option<Time>,
     /// Start poses of the robots; if empty, the scene's poses apply.
     starts: Vec<[f64; 3]>,
-    /// Maximum deviation from these poses.
+    /// Maximum deviation of x, y and heading from these poses.
     jitter: [f64; 3],
 }
 
@@ -107,7 +107,7 @@ impl StepKind {
     }
 }
 
-/// Threads that step members together with the caller's thread. Between steps they wait.
+/// Threads that step members together with the caller's thread. The threads wait between steps.
 struct Workers {
     /// Number of threads, including the caller's.
     threads: usize,

@@ -312,7 +312,7 @@ impl Scan {
         })
     }
 
-    /// Returns true if a sector with an echo has a fault on a side: the robot must turn and observe it again.
+    /// Returns true if a sector with an echo has a fault on a side: the robot must turn and observe the sector again.
     pub fn has_fault(&self, fan: &Fan) -> bool {
         self.distances
             .windows(2)

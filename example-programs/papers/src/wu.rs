@@ -184,8 +184,8 @@ fn range(fractions: impl Iterator<Item = f64>) -> String {
     format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high)
 }
 
-/// Compares the paper's maps in rooms with mirrors with two plain grids: one ignores a missing echo, the other takes it
-/// as free cells.
+/// Compares the paper's maps in rooms with mirrors with two plain grids: one ignores a missing echo, the other
+/// treats a beam without an echo as free.
 fn against_plain(mirrors: &[Mapped]) -> Claim {
     let more = |of: fn(&Score) -> f64| {
         let is_more = |run: &&Mapped| {

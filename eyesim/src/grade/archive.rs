@@ -28,7 +28,7 @@ const MAX_PATH: usize = 1024;
 /// Maximum length of a file name, in bytes: the limit of Linux.
 const MAX_NAME: usize = 255;
 
-/// Files that were read, and remarks about those that were not.
+/// Files that were read, and remarks about files that were not read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Contents {
     /// Contents of the files, by their paths with slashes.

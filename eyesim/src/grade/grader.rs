@@ -324,7 +324,7 @@ impl Graded {
         Self { schema: SCHEMA, problem: None, notes: Vec::new(), programs: Vec::new(), results, real_time_s: 0.0 }
     }
 
-    /// Reads a cached result; `None` if it is of another version.
+    /// Reads a cached result; `None` if its format has another version or cannot be read.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         serde_json::from_slice::<Self>(bytes).ok().filter(|graded| graded.schema == SCHEMA)
     }

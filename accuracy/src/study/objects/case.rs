@@ -241,7 +241,7 @@ fn fast_ball(delay: f64) -> Case {
     Case { trial, error_of_end: Box::new(move |(bodies, _)| (position(bodies, 0).x - end).abs() / (speed * seconds)) }
 }
 
-/// A robot pushes a crate at constant speed until it is removed; then the crate slides to rest.
+/// A robot pushes a crate at constant speed until the robot is removed; then the crate slides to rest.
 fn pushed_crate(delay: f64) -> Case {
     let (speed, until) = (0.2, 1.5);
     let start = 0.3137 + speed * delay;

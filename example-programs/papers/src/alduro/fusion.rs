@@ -37,8 +37,8 @@ pub enum Projection {
     Mean,
 }
 
-/// A mapping method. Every method has the parameters cut (the minimum membership that counts) and cells; they follow
-/// its own parameters.
+/// A mapping method. Every method has the parameters cut (the minimum membership that counts) and cells; these two
+/// follow the method's own parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Occupancy grid of cubes. Parameter: band.

@@ -29,7 +29,7 @@ const TILT_DEG: f64 = 25.0;
 /// drift of the heading in degrees per metre, to the left on every second terrain and to the right on the others.
 const ODOMETRY: (f64, f64) = (0.02, 0.5);
 
-/// Properties of sonars and poses in a survey. The maps always assume those of the first condition.
+/// Properties of sonars and poses in a survey. The maps always assume the first condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     /// The beam of the inverse model, the noise of sonars in the profile `real` without outliers, and true poses.

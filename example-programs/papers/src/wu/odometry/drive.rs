@@ -1,4 +1,4 @@
-//! A drive and maps of it: the readings at each scan, with the robot's pose by odometry and its true pose.
+//! A drive and its maps. Each scan of the drive has the readings, the robot's pose by odometry, and its true pose.
 
 use anyhow::{bail, ensure};
 use mapping::grid::Grid;

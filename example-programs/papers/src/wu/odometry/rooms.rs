@@ -1,4 +1,4 @@
-//! Rooms and starts: those for which settings are chosen, and the three held-out rooms.
+//! Rooms and their starts: four training rooms, for which the settings are chosen, and three held-out rooms.
 
 use std::fmt::Write as _;
 
