@@ -85,6 +85,7 @@ const DEFECTS: &[(&str, &[Reported])] = &[
     ("vr-2018/older/7832648/RobotVR-Build/examples/SPEED.sim", &[('W', "file-moved", 5)]),
     ("vr-2018/test.sim", &[('W', "file-moved", 4)]),
     ("vr-2018/older/31051b1/Test Assets/sims/test.sim", &[('W', "file-moved", 2)]),
+    ("vr-2018/older/6f4cc45/Test Assets/test.sim", &[('W', "file-moved", 2)]),
     ("vr-2025/Sims/Straight.sim", &[('W', "file-moved", 5)]),
     ("vr-2025/Sims/Track_1_Objects.sim", &[('W', "file-moved", 8)]),
     ("vr-2018/older/3b2ffd9/Test Assets/test.sim", &[('W', "file-moved", 4)]),
@@ -95,7 +96,6 @@ const DEFECTS: &[(&str, &[Reported])] = &[
     ("vr-2018/Test Assets/examples/drivemodes/Omni.sim", &[('E', "file-missing", 5)]),
     ("vr-2018/Test Assets/examples/maze/MazeSearch.sim", &[('E', "file-missing", 5)]),
     // Worlds missing in the corpus.
-    ("vr-2018/older/6f4cc45/Test Assets/test.sim", &[('E', "file-missing", 2)]),
     ("vr-2018/older/7d098b2/RobotVR-Build/examples/SPEED.sim", &[('E', "file-missing", 2)]),
     ("vr-2018/older/f906f0a/SavedSim.sim", &[('E', "file-missing", 4)]),
     // A template with placeholder names.

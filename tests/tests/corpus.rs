@@ -16,7 +16,6 @@ const ERRORS: &[Finding<'_>] = &[
     ("vr-2018/Test Assets/examples/drivemodes/Omni.sim", 5, 6, "file-missing"),
     ("vr-2018/Test Assets/examples/maze/MazeSearch.sim", 5, 6, "file-missing"),
     ("vr-2018/Test Assets/sims/Example.sim", 14, 7, "file-missing"),
-    ("vr-2018/older/6f4cc45/Test Assets/test.sim", 2, 7, "file-missing"),
     ("vr-2018/older/7d098b2/RobotVR-Build/examples/SPEED.sim", 2, 7, "file-missing"),
     ("vr-2018/older/7d098b2/RobotVR-Build/examples/SPEED.sim", 5, 6, "file-missing"),
     ("vr-2018/older/f906f0a/SavedSim.sim", 4, 7, "file-missing"),

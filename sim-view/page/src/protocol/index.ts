@@ -624,8 +624,8 @@ export type StandingChange = {
 /** Poses of a body over time, thinned: linear interpolation between two points is accurate to 2 mm and 1 degree. */
 export type Track = {
   /**
-   * Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the first point the body is
-   * not in the world; after the last it stays there.
+   * Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the
+   * first point the body is not in the world; after the last it stays there.
    */
   t_s: Array<number>,
   /** World coordinates to the right, one for each time. */
