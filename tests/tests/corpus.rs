@@ -104,6 +104,7 @@ const STAND_INS: &[(&str, &[&str])] = &[
     ("vr-2018/Test Assets/examples/random/Random1.sim", &["/Users/student/eyesim/examples/random/random.x"]),
     ("vr-2018/Test Assets/examples/random/Random3.sim", &["random.x"]),
     ("vr-2018/older/3b2ffd9/Test Assets/test.sim", &["list.x"]),
+    ("vr-2018/older/6f4cc45/Test Assets/test.sim", &["test.exe"]),
     ("vr-2018/older/7832648/RobotVR-Build/examples/SPEED.sim", &["speed.dll"]),
 ];
 
