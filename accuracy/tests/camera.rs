@@ -22,7 +22,7 @@ use sim_core::world::World;
 use sim_format::{FileError, Files, MeshReader, load_scene, load_world};
 
 /// Number of views of each sample world.
-const VIEWS: usize = 100;
+const VIEWS: usize = 24;
 
 const LENSES: [Lens; 2] = [Lens::Pinhole { fov: 1.0 }, Lens::Fisheye { fov: 2.8 }];
 

@@ -190,8 +190,8 @@ impl Camera {
 }
 
 /// Grey level: the mean of red, green and blue, rounded down.
-pub fn grey(rgb: [u8; 3]) -> u8 {
-    (rgb.into_iter().map(u32::from).sum::<u32>() / 3) as u8
+pub fn grey([red, green, blue]: [u8; 3]) -> u8 {
+    ((u32::from(red) + u32::from(green) + u32::from(blue)) / 3) as u8
 }
 
 /// Pose of the camera in the robot's frame, with the servo angles just before `at`.

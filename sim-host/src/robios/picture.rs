@@ -87,7 +87,13 @@ pub fn colour_of_channels([red, green, blue]: [&[u8]; 3]) -> Vec<u8> {
 
 /// Hue, saturation and intensity of a colour image, one channel each.
 pub fn hsi_of_colour(source: &[u8]) -> [Vec<u8>; 3] {
-    [0, 1, 2].map(|channel| pixels(source).map(|rgb| hsi(rgb)[channel]).collect())
+    let mut channels = [(); 3].map(|()| Vec::with_capacity(source.len() / 3));
+    for rgb in pixels(source) {
+        for (channel, value) in channels.iter_mut().zip(hsi(rgb)) {
+            channel.push(value);
+        }
+    }
+    channels
 }
 
 /// Overlays the colour image `over` on `under`, except where `over` is black.
@@ -115,9 +121,10 @@ pub fn number_of_rgb([red, green, blue]: [u8; 3]) -> i32 {
 ///
 /// Hue: see [`hue`]. Saturation: 255 (1 - min / mean), 0 for black. Intensity: the mean of the channels, rounded down.
 pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
-    let sum: u32 = rgb.into_iter().map(u32::from).sum();
-    let min = rgb.into_iter().min().map_or(0, u32::from);
-    let saturation = (255 * 3 * min).checked_div(sum).map_or(0, |white| 255 - white);
+    let [red, green, blue] = rgb;
+    let sum = u32::from(red) + u32::from(green) + u32::from(blue);
+    let min = u32::from(red.min(green).min(blue));
+    let saturation = if sum == 0 { 0 } else { 255 - 255 * 3 * min / sum };
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 
@@ -126,7 +133,7 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
 ///
 /// Source: Bräunl, Embedded Robotics, colour; the offset is that of the EyeBot's library.
 pub fn hue([red, green, blue]: [u8; 3]) -> u8 {
-    let [red, green, blue] = [red, green, blue].map(i32::from);
+    let (red, green, blue) = (i32::from(red), i32::from(green), i32::from(blue));
     let largest = red.max(green).max(blue);
     let range = largest - red.min(green).min(blue);
     if 2 * range <= largest {
