@@ -1,5 +1,5 @@
-//! The command `eyesim` as a library: everything except running programs, for the binary and for other hosts such as
-//! the Python package.
+//! The command `eyesim` as a library, used by the binary and by other callers such as the Python package: everything
+//! except running programs.
 //!
 //! [`cli`] is the command line. Below it, [`suite`] runs the cases of suites in a pool of processes, [`sweep`] and
 //! [`grade`] build on it, [`pack`] reads and writes archives, [`plot`] draws pictures from above, and `window` shows

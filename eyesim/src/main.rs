@@ -8,7 +8,7 @@ static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
     sim_host::executive::save_memory();
-    // A failure means that a write beyond the limit ends the process, as it does without this call.
+    // If this fails, a write beyond the file size limit ends the process, as it does without this call.
     _ = sim_host::executive::interrupt::ignore_file_limit();
     eyesim::cli::main()
 }

@@ -14,7 +14,7 @@ use sim_core::time::Time;
 use sim_format::{MeshReader, load_scene};
 use sim_host::files::DiskFiles;
 
-/// Drives a curve, turns its camera and takes three images.
+/// Program that drives a curve and takes three images.
 const LOOK: &str = r#"
 #include "eyebot.h"
 static BYTE image[QVGA_SIZE];

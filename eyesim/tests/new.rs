@@ -40,7 +40,7 @@ fn new(parent: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
     prepared
 }
 
-/// Runs the scene and checks the report: the program has seen its four walls and ended without a contact.
+/// Runs the scene and checks the report: the program has reached its four walls and ended without a contact.
 fn check_run(parent: &Path, name: &str) {
     let folder = parent.join("programs").join(name);
     let report = folder.join("report.json");

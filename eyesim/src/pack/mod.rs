@@ -1,7 +1,7 @@
 //! Archives: a scene or a suite in one file, with everything that its runs read.
 //!
 //! An archive is a zip file with `eyesim-pack.json`, the [`Manifest`], and the folder `files`. [`Pack::read`] refuses
-//! archives with entries outside that folder, or with more or larger entries than eyesim writes.
+//! archives with other entries, with too many entries, or with too large files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -119,7 +119,7 @@ impl Pack {
     /// Bytes of the archive; equal contents give equal bytes.
     ///
     /// # Errors
-    /// The files are too large, or have names that an archive must not contain.
+    /// A file is too large for the zip format, or has a name that an archive must not contain.
     pub fn to_bytes(&self) -> Result<Vec<u8>, PackError> {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         let options = SimpleFileOptions::default()
@@ -258,7 +258,7 @@ fn path_of(name: &str) -> Result<String, PackError> {
     Ok(path.to_owned())
 }
 
-/// Refuses paths with components that are not names.
+/// Refuses paths that are too long, contain `\`, `:` or NUL, or have a component that is not a name.
 fn check_path(path: &str) -> Result<(), PackError> {
     let is_name = |part: &str| !part.is_empty() && part != "." && part != "..";
     let is_valid = path.len() <= MAX_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);

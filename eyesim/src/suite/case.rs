@@ -166,9 +166,9 @@ impl Session {
 /// Reasons why the programs of a case are not built.
 #[derive(Debug)]
 pub enum PrepareError {
-    /// The scene has mistakes, perhaps only with the seed of this case.
+    /// The scene cannot be used, perhaps only with the seed of this case.
     Scene,
-    /// A program cannot be built; the result of the case.
+    /// A program cannot be built. Contains the result of the case.
     Programs(Box<CaseResult>),
 }
 
@@ -183,7 +183,7 @@ impl Failure {
     fn of(text: impl ToString) -> Self {
         let text = text.to_string();
         let is_long = text.lines().nth(1).is_some();
-        // Compilers first name the location, and linkers report their failure last.
+        // A compiler's first line names only the location, and a linker's last line only tells that it failed.
         let find =
             |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
         let linker_error = || find("multiple definition of").or_else(|| find("undefined reference to"));
@@ -298,7 +298,7 @@ fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
         }
     }
     let ended_run = running.end();
-    // Programs of checks run only when all processes that the robot programs have started are ended.
+    // Programs of checks run only after all processes that the robot programs have started have ended.
     session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
     let finished = ended_run.judge();
     let limit = is_over_limit.then_some(suite.spec.limits.processor);
@@ -350,7 +350,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
             (None, None) => (RowOutcome::Passed, String::new()),
         },
     };
-    // It depends on the machine how far a program got before it was stopped for its processor time.
+    // How far a program got before it was stopped for its processor time depends on the machine.
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
     let failure_time = failed_check.and_then(|check| check.at_s);
     let failure_time = failure_time.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
@@ -411,7 +411,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     programs.iter().for_each(|program| add(program.with_program(&relative_name(program.program())).to_string()));
     forbid.iter().for_each(|functions| add(format!("forbid {functions}")));
     add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
-    // Files elsewhere, such as the installation's, are identified by their names.
+    // Files elsewhere, such as those of the installation, are named without their folders.
     let name = |path: &str| in_folder(path).unwrap_or_else(|| path.rsplit('/').next().unwrap_or_default().to_owned());
     let mut files: Vec<String> = inputs.iter().map(|input| format!("{} {}", name(&input.path), input.sha256)).collect();
     files.sort_unstable();

@@ -1,8 +1,8 @@
-//! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
+//! Suites as a library: the cases of a suite, a pool that runs the cases, and the rows with their results.
 //!
 //! [`Suite::open`] reads a suite, and [`Suite::cases`] lists its cases. [`run_case`] runs one case in this process and
-//! returns its [`Row`]; [`Pool`] runs many cases in forks of this process. [`summary`] computes pass rates over seeds,
-//! [`table`] converts rows to tables, for CSV and Parquet.
+//! returns its [`CaseResult`] with the [`Row`]; [`Pool`] runs many cases in forks of this process. [`summary`] computes
+//! pass rates over seeds, and [`table`] converts rows to tables, for CSV and Parquet.
 
 mod case;
 #[cfg(feature = "parquet")]
@@ -156,7 +156,7 @@ impl Suite {
         self.axes.iter().zip(indices).map(setting).collect()
     }
 
-    /// The program option of the suite, with a path relative to the suite's folder.
+    /// Parses a program option of the suite. A path that exists relative to the suite's folder is resolved there.
     fn program(&self, text: &str) -> Result<ProgramOption, String> {
         let option = ProgramOption::parse(text)?;
         let path = Path::new(&self.spec.folder).join(option.program());

@@ -1,5 +1,5 @@
-//! Pool of worker processes, forked from this one, that run cases: many cases in each if no program can corrupt its
-//! process, otherwise one.
+//! Pool of worker processes, forked from this one, that run cases. Cases whose programs all run on fibers share workers;
+//! every other case has a worker of its own.
 
 use std::collections::VecDeque;
 use std::io::{self, Read as _, Write as _};
@@ -74,8 +74,8 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 /// Maximum length of an answer of a worker, in bytes; paths of many robots and output of programs are much shorter.
 const MAX_ANSWER: usize = 256 << 20;
 
-/// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. The value is
-/// far beyond what a loaded machine needs.
+/// Wall-clock seconds that a case gets per second of its processor-time limits, in addition to 10 s; then its worker is
+/// killed. The value is far beyond what a loaded machine needs.
 const WALL_PER_PROCESSOR_SECOND: f64 = 20.0;
 
 impl<'s> Pool<'s> {
@@ -220,7 +220,7 @@ impl<'s> Pool<'s> {
         Ok(())
     }
 
-    /// Kills workers whose cases have taken far more time than their limits allow.
+    /// Kills workers whose cases have taken far more time than their limits allow, or whose answers stay incomplete.
     fn end_unresponsive(
         &mut self,
         workers: &mut Vec<Worker>,

@@ -14,8 +14,8 @@ pub const ROW_SCHEMA: u32 = 1;
 pub struct Row {
     /// [`ROW_SCHEMA`].
     pub schema: u32,
-    /// Hash of the case, its inputs, its limits and the version of eyesim, as 32 hexadecimal digits; empty if the
-    /// inputs could not be read.
+    /// Hash of the case, its inputs, its limits and the version of eyesim, as 32 hexadecimal digits; empty if the case
+    /// could not be built.
     pub key: String,
     /// Path of the suite.
     pub suite: String,
@@ -41,7 +41,7 @@ pub struct Row {
     pub x_m: Option<f64>,
     /// y coordinate of the failure, m.
     pub y_m: Option<f64>,
-    /// Points of all checks together.
+    /// Points of all checks together; 0 if a program failed.
     pub points: f64,
     /// Points of a case that passes.
     pub max_points: f64,
@@ -101,7 +101,7 @@ pub struct RowRobot {
     pub forbidden_calls: BTreeMap<String, u64>,
 }
 
-/// Path of a robot, m: corners within a few millimetres.
+/// Path of a robot, m: polylines accurate to a few millimetres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     /// Number of the robot.
@@ -117,9 +117,9 @@ pub struct CaseResult {
     pub row: Row,
     /// Wall-clock time that the case took, s.
     pub real_time_s: f64,
-    /// Paths of the robots of a case that failed.
+    /// Paths of the robots of a case that did not pass.
     pub traces: Vec<Trace>,
-    /// Last lines that its programs printed, for a case that failed.
+    /// Last lines that its programs printed, for a case that did not pass.
     pub output: Vec<String>,
 }
 

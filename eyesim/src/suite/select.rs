@@ -12,7 +12,7 @@ enum Term {
     Or(Box<Term>, Box<Term>),
 }
 
-/// Error of a text that is no such expression.
+/// Error for a text that is not a valid expression.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}`: {problem}; expected words with `and`, `or`, `not` and parentheses, such as `real and not seed=3`")]
 pub struct SelectionError {
@@ -53,7 +53,7 @@ impl Term {
     }
 }
 
-/// Returns true if `name` contains `word`. A number at the end of the word must be a whole number in the name: `seed=1`
+/// Returns true if `name` contains `word`. A number at the end of the word must also end there in the name: `seed=1`
 /// does not match `seed=12`.
 fn contains_word(name: &str, word: &str) -> bool {
     let is_digit = |c: char| c.is_ascii_digit() || c == '.';

@@ -48,9 +48,9 @@ impl Rate {
 pub struct Variant {
     /// Its name.
     pub name: String,
-    /// Its cases that pass.
+    /// Pass rate of its cases.
     pub rate: Rate,
-    /// Each check, by its name, with the cases that meet it.
+    /// Name of each check, and the rate of the cases that meet it.
     pub checks: Vec<(String, Rate)>,
     /// Mean of the points of its cases.
     pub points: f64,

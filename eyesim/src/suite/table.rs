@@ -70,7 +70,7 @@ pub fn cells(row: &Row) -> Vec<Option<Cell>> {
 pub struct Table {
     /// Name and type of each column.
     pub columns: Vec<(String, Type)>,
-    /// The cells of each row: as many as columns, each of its column's type.
+    /// The cells of each row: one for each column, of the column's type.
     pub rows: Vec<Vec<Option<Cell>>>,
 }
 

@@ -1,4 +1,4 @@
-//! Files of rows in JSON Lines: each session appends a header line and a line for each row.
+//! Files of rows in JSON Lines: each session appends a line for each row, after a header line if its header is new.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -17,7 +17,7 @@ const SCHEMA: u32 = 1;
 /// First characters of a header, which distinguish it from a row.
 const HEAD: &str = "{\"sweep\":";
 
-/// Header: the first line of a session.
+/// Header line of the rows that follow it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
     /// Version of the format.
@@ -62,7 +62,7 @@ pub struct Lines {
     pub path: PathBuf,
     /// Shard of the rows.
     pub shard: Shard,
-    /// Header of the last session; none in an empty file.
+    /// Last header; none in an empty file.
     pub head: Option<Head>,
     /// The rows, in the order in which they were written.
     pub rows: Vec<Line>,
@@ -193,7 +193,7 @@ impl ShardFile {
         Ok((Self { path, file }, lines))
     }
 
-    /// Begins a session: removes an incomplete last line, and writes `head` unless the last session had an equal one.
+    /// Begins a session: removes an incomplete last line, and writes `head` unless the last header equals it.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,8 +1,8 @@
-//! Sweeps as a library: the rows of the cases of a suite in a folder, with one append-only file for each shard.
+//! Sweeps as a library: a folder holds the rows of a suite's cases, in one append-only file for each shard.
 //!
 //! A [`Shard`] is the part of the cases that one process runs. [`ShardFile::open`] locks and reads the file of a shard,
 //! [`finished_cases`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads
-//! the files of all shards, [`merge`] joins their rows.
+//! the files of all shards, and [`merge`] joins their rows.
 
 mod file;
 mod merge;
@@ -68,7 +68,7 @@ pub enum SweepError {
         /// The file.
         path: PathBuf,
     },
-    /// The file has rows of cases that the suite no longer has.
+    /// The file has rows whose cases the suite no longer has, or has with other keys.
     #[error(
         "{}:{line}: the row of `{case}` is not of this suite as it is now, nor are {others} others: the suite, its files or its limits have \
          changed since. Give another folder, or remove the file to run all again",

@@ -1,4 +1,4 @@
-//! Dispatches the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`].
+//! Dispatches the pages' commands to the thread that advances the run, or to the [`RunStarter`].
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -116,8 +116,8 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
     }
 }
 
-/// Accepted speeds, in simulated seconds per second of wall-clock time. At a lower speed nothing would seem to happen;
-/// at a higher speed an idle run would reach the end of simulated time within days.
+/// Accepted speeds, in simulated seconds per second of wall-clock time. At a lower speed nothing would seem to happen.
+/// At a far higher speed an idle run would soon reach the end of simulated time.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 
 const RUN_IS_OVER: &str = "the run is over: start it again";

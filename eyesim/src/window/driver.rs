@@ -47,7 +47,7 @@ pub struct Driver {
     now: Time,
     /// True if the latest change has not been shown to the pages yet.
     has_unshown_change: bool,
-    /// Earliest instant of the next update of the pages.
+    /// Earliest instant of the next periodic update of the pages; changes are shown at once.
     next_update: Option<Instant>,
     rate: Rate,
 }
@@ -146,7 +146,8 @@ impl Driver {
         }
     }
 
-    /// Waits until the paused run may continue, then applies the pending interventions or runs its next slots.
+    /// Waits until a slot is due or requested, or an intervention is pending. Then runs slots or applies the
+    /// interventions.
     fn advance(&mut self, run: &mut Scheduler) -> Progress {
         let skip_to = self.control.requests().skip_to.take();
         if let Some(time) = skip_to {
@@ -228,7 +229,7 @@ impl Driver {
     }
 }
 
-/// Requests that the driver takes at once.
+/// Requests that [`Driver::take_requests`] returns.
 struct TakenRequests {
     is_ending: bool,
     is_show_due: bool,

@@ -1,4 +1,4 @@
-//! Layers of the robots that pages have selected, each when it has changed and as far as the bandwidth allows.
+//! Selects the layers to send to pages: those of the selected robots that have changed, as far as the bandwidth allows.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::planar;
 /// Bytes of layers that pages receive in a second of real time, on average (our choice).
 const BYTES_PER_SECOND: f64 = 2e6;
 
-/// The layers that pages have received last.
+/// The layers that pages received last.
 #[derive(Default)]
 pub struct ShownLayers {
     shown: BTreeMap<(RobotId, String), Arc<Layer>>,
@@ -25,9 +25,9 @@ pub struct ShownLayers {
 }
 
 impl ShownLayers {
-    /// The layers of `robots` that have changed since the last call. The layers that have waited longest come first,
-    /// until the bandwidth is used up. If the run `is_at_rest`, all layers are returned, since no later call might show
-    /// the others. `number` is that of the run.
+    /// The layers of `robots` that differ from the shown ones. Layers whose shown version is oldest come first, until the
+    /// bandwidth is used up. If the run `is_at_rest`, all changed layers are returned, since no later call might show
+    /// the others. `number` is the number of the run.
     pub fn changed(
         &mut self,
         run: &Run,

@@ -1,7 +1,7 @@
-//! The window of a run: fills the pages' protocol and carries out the pages' commands.
+//! The window of a run: shows the run to pages and carries out their commands.
 //!
-//! [`scene`], [`snapshot`], [`detail`] and `layer` fill the protocol of `sim_view` from a run at rest between two
-//! slots; [`feed`] reports events, and [`driver`] advances the run as its pages request. Watching draws no random
+//! [`scene`], [`snapshot`], [`detail`] and `layer` convert a run that rests between two slots to the protocol of
+//! `sim_view`. [`feed`] reports events, and [`driver`] advances the run as its pages request. Watching draws no random
 //! numbers and does not change the run.
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Builds the recording that a page replays from the trace of a run.
+//! Builds, from the trace of a run, the recording that a page replays.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -321,7 +321,8 @@ const MAX_ROWS: usize = 256;
 #[derive(Default)]
 struct TrackBuilder {
     corners: Vec<Corner>,
-    /// The newest point, not yet a corner, and for each axis the range of slopes that all points allow.
+    /// The newest point, not yet a corner, and for each axis the range of slopes that all points since the last corner
+    /// allow.
     open_segment: Option<(Corner, [[f64; 2]; 3])>,
     /// Time at which the body was removed, in seconds.
     removed_s: Option<f64>,

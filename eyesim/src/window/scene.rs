@@ -120,7 +120,7 @@ pub fn title(spec: &SceneSpec) -> String {
     stem.map(str::to_owned).unwrap_or(name)
 }
 
-/// Index among a robot's links of each part of its legs.
+/// For each part of a robot's legs, the index of its link.
 fn part_links(robi: &RobiSpec) -> Vec<usize> {
     build::legs(robi).map_or_else(Vec::new, |legs| legs.part_links())
 }

@@ -100,7 +100,7 @@ pub struct Moment<'a> {
 }
 
 impl Show {
-    /// Creates a show that pages have not received anything of yet.
+    /// Creates a show of which pages have received nothing yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
@@ -166,8 +166,8 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Takes over the selection of robots by pages, and records the RoBIOS calls of exactly those robots whose calls a
-    /// page requests or a check counts.
+    /// Adopts the pages' selection of robots. Of the robots that are or were selected, records the RoBIOS calls of
+    /// exactly those whose calls a page requests or a check counts.
     fn update_looks(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {

@@ -63,8 +63,8 @@ pub fn objects(world: &World, ids: impl Iterator<Item = ObjectId>) -> Vec<Object
     ids.map(|id| ObjectState { id: id.0, pose: planar(&world.object_pose(id, at)) }).collect()
 }
 
-/// Noise-free beams of the range and infrared sensors of `ids`, in this order, robot by robot until `MAX_BEAMS` would
-/// be exceeded.
+/// Noise-free beams of the range and infrared sensors of the robots `ids`, in this order, until the beams of the next
+/// robot would exceed `MAX_BEAMS`.
 pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Vec<Beam> {
     let at = world.slot_start();
     let mut beams = Vec::new();

@@ -27,7 +27,7 @@ pub struct Surfaces {
 const MIN_OPACITY: f32 = 0.5;
 
 impl Surfaces {
-    /// Index of `mesh` in [`Self::meshes`], to which its first use adds it.
+    /// Returns the index of `mesh` in [`Self::meshes`], and adds it on its first use.
     pub fn mesh(&mut self, mesh: &Arc<Mesh>) -> u32 {
         if let Some(index) = self.mesh_indices.get(&Arc::as_ptr(mesh)) {
             return *index;
@@ -39,7 +39,7 @@ impl Surfaces {
         index
     }
 
-    /// Index of `texture` in [`Self::images`], to which its first use adds it.
+    /// Returns the index of `texture` in [`Self::images`], and adds it on its first use.
     pub fn image(&mut self, texture: &Arc<Texture>) -> u32 {
         let images = &mut self.images;
         *self.image_indices.entry(Arc::as_ptr(texture)).or_insert_with(|| {
