@@ -1,5 +1,5 @@
 //! The window in which users watch a simulation and intervene in it: a server, the page that it serves, and the
-//! protocol between both.
+//! protocol between the two.
 //!
 //! The crate does not depend on the simulator, which fills the types of [`protocol`] and carries out the pages'
 //! commands.

@@ -1,6 +1,6 @@
 //! The server: shows a run to pages and delivers their commands.
 //!
-//! The server runs on its own thread. The simulation never waits for it: not for a page, the network or serialisation.
+//! The server runs on its own thread. The simulation never waits for a page, the network or serialisation.
 
 mod access;
 mod hub;
@@ -135,8 +135,8 @@ impl Window {
         format!("http://{}/", SocketAddr::new(reachable_address(self.address.ip()), self.address.port()))
     }
 
-    /// Shows the scene; must be called first, when a run starts, and when its bodies have changed. A new run number
-    /// empties the list of events.
+    /// Shows the scene. Must be called before any other state of a run is shown, and when its bodies have changed. A
+    /// new run number discards all earlier events, layers and details.
     pub fn show_scene(&self, scene: Scene) {
         self.hub.show_scene(scene);
     }

@@ -34,7 +34,7 @@ pub struct CcArgs {
     pub flags: Vec<String>,
 }
 
-/// Compiles and links the sources, prints the compiler's warnings, writes the library.
+/// Compiles and links the sources, prints the compiler's warnings and writes the library.
 ///
 /// # Errors
 /// If a source is missing or refused, there is no compiler, or the library cannot be written.

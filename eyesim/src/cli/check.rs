@@ -61,7 +61,7 @@ pub struct CheckArgs {
 /// Runs the command. The exit code is 0, or 2 if there are errors or, under `--strict`, warnings.
 ///
 /// # Errors
-/// If the working folder is unknown or nothing can be printed.
+/// If the working folder is unknown or standard output cannot be written to.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
     let (names, empty) = expand(&args.files, &mut files);
@@ -112,7 +112,7 @@ impl Checked {
 /// Checks the files `names` and everything that they refer to.
 pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
-    // Several files may name one file, which may also be one of `names` itself.
+    // Several files may refer to one file, which may also be in `names`.
     let mut seen: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
     let mut read: BTreeSet<String> = BTreeSet::new();
     for name in names {
@@ -180,8 +180,8 @@ pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
     sim_format::is_noise(name, &text)
 }
 
-/// Extensions of files checked in a folder, in addition to `.scene.toml` and `.noise.toml`. A companion is read with
-/// its robi.
+/// Extensions of files checked in a folder, in addition to `.scene.toml`, `.suite.toml` and `.noise.toml`. A companion
+/// is read with its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
@@ -278,8 +278,8 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
     (names, diagnostics)
 }
 
-/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders that are symbolic links
-/// (which may form cycles), are skipped.
+/// Visits all files below `folder`: those of each folder in the order of their names, then its subfolders. Hidden
+/// folders, and folders that are symbolic links (which may form cycles), are skipped.
 pub(super) fn walk(
     folder: &Path,
     visit: &mut dyn FnMut(&Path),

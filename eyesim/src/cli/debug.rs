@@ -59,7 +59,7 @@ pub struct DebugArgs {
     pub gdb: Vec<OsString>,
 }
 
-/// Runs the scene with gdb around one program.
+/// Runs the scene with the program of one robot in gdb.
 ///
 /// # Errors
 /// See `eyesim run`; also if gdb is missing, or there is no such robot with a program.

@@ -14,7 +14,7 @@ use super::excerpt::{Excerpt, printable};
 
 /// Maximum number of diagnostics of one file in the human-readable format; the other formats list all.
 const MAX_SHOWN: usize = 20;
-/// Width in columns if there is no terminal.
+/// Width in columns if neither the terminal nor `COLUMNS` gives one.
 const DEFAULT_WIDTH: usize = 100;
 /// Minimum readable width, in columns.
 const MIN_WIDTH: usize = 30;

@@ -214,7 +214,7 @@ fn event_text(event: &RecordedEvent) -> String {
     event.fields.to_string()
 }
 
-/// Formats a length that may be tiny: in metres from a tenth of a millimetre on, otherwise as a power of ten.
+/// Formats a length that may be tiny, in metres; below a tenth of a millimetre in scientific notation.
 fn length(metres: f64) -> String {
     if metres >= 1e-4 { format!("{metres:.4} m") } else { format!("{metres:.1e} m") }
 }

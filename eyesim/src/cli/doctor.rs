@@ -60,7 +60,7 @@ impl From<Option<String>> for Answer {
 }
 
 impl Answer {
-    /// Answer of a tool that failed with this error within `timeout`.
+    /// Answer of a tool that could not be run or did not answer within `timeout`.
     fn of_error(error: &io::Error, timeout: Duration) -> Self {
         if error.kind() == io::ErrorKind::TimedOut { Self::Silent(timeout) } else { Self::Missing }
     }
@@ -288,7 +288,7 @@ fn version(command: &str, timeout: Duration) -> Answer {
     }
 }
 
-/// Installer of packages of this system.
+/// Package installer of this system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Installer {
     Apt,

@@ -88,7 +88,7 @@ impl SourceCode for Excerpt {
 struct LineWindow {
     text: String,
     label: Range<usize>,
-    /// The beginning of the line is cut off.
+    /// True if the beginning of the line is cut off.
     is_shifted: bool,
 }
 

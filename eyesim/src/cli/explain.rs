@@ -28,7 +28,7 @@ pub struct ExplainArgs {
 /// Runs the command: exit code 0, or 2 if there is no such code.
 ///
 /// # Errors
-/// If nothing can be printed.
+/// If standard output cannot be written to.
 pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     let screen = Screen::of_stdout(args.color);
     match args.code.as_deref().map(parse_code).transpose() {
@@ -109,7 +109,7 @@ fn wrapped(paragraph: &str, width: usize, screen: Screen) -> String {
     lines + "\n"
 }
 
-/// A word without its asterisks, and its style: the style of a severity, or bold.
+/// A word without its asterisks, and its style: plain without asterisks, otherwise that of a severity, or bold.
 fn emphasis(word: &str, screen: Screen) -> (String, Style) {
     if !word.contains("**") {
         return (word.to_owned(), Style::new());

@@ -159,7 +159,7 @@ struct Server {
 impl Server {
     /// Serves until `exit` or the end of the input; returns true if the editor has requested the shutdown before.
     fn serve(&mut self, connection: &Connection) -> anyhow::Result<bool> {
-        // Checks once after all changes that have arrived.
+        // The documents are checked once for all changes that have arrived.
         while let Ok(first) = connection.receiver.recv() {
             let mut is_changed = false;
             for message in std::iter::once(first).chain(connection.receiver.try_iter()) {
@@ -187,8 +187,8 @@ impl Server {
         Ok(false)
     }
 
-    /// Applies a notification to the open documents; returns true if a text has changed. Invalid notifications are
-    /// ignored.
+    /// Applies a notification to the open documents; returns true if diagnostics may have changed. Invalid
+    /// notifications are ignored.
     fn apply(&mut self, notification: Notification) -> bool {
         let Notification { method, params } = notification;
         match method.as_str() {
@@ -269,8 +269,7 @@ impl Server {
         })
     }
 
-    /// The file that the word at a position names: by its path, or as the type of a line that places a robot or an
-    /// object.
+    /// The file whose path is the word at a position.
     fn definition(&self, params: &GotoDefinitionParams) -> Option<Location> {
         let cursor = &params.text_document_position_params;
         let document = self.documents.open_document(&cursor.text_document.uri)?;

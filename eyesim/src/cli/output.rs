@@ -18,7 +18,7 @@ pub fn tell(line: impl std::fmt::Display) {
 }
 
 /// Prints text on standard output. An error is kept for [`take_failure`], so that a command still writes its files; a
-/// closed pipe (`| head`) is no error.
+/// closed pipe (`| head`) is not an error.
 pub fn put(text: &str) {
     let mut out = io::stdout().lock();
     if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
@@ -28,7 +28,7 @@ pub fn put(text: &str) {
     }
 }
 
-/// Prints to standard output; a closed pipe is no error.
+/// Prints to standard output; a closed pipe is not an error.
 ///
 /// # Errors
 /// Standard output cannot be written to.
@@ -153,7 +153,7 @@ fn check_writable(path: &Path, folder: &Path) -> io::Result<()> {
     }
 }
 
-/// The file that would be created through `path`: the target of a symbolic link to nothing, otherwise `path`.
+/// The file that would be created through `path`: the target of a dangling symbolic link, otherwise `path`.
 fn link_target(path: &Path) -> PathBuf {
     match std::fs::read_link(path) {
         Ok(target) if !path.exists() => path.parent().unwrap_or(Path::new("")).join(target),
@@ -161,7 +161,7 @@ fn link_target(path: &Path) -> PathBuf {
     }
 }
 
-/// Returns true if both canonical paths name one file, possibly by two hard links.
+/// Returns true if both canonical paths refer to one file, possibly by two hard links.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     let identity = |path: &Path| std::fs::metadata(path).map(|metadata| (metadata.dev(), metadata.ino())).ok();
     a == b || identity(a).is_some_and(|file| identity(b) == Some(file))

@@ -133,7 +133,7 @@ impl Collected {
         self.add_inputs(&built)
     }
 
-    /// Adds files that the options name.
+    /// Adds the inputs of the built scene that are missing so far, such as files that options name.
     fn add_inputs(&mut self, built: &BuiltScene) -> anyhow::Result<()> {
         for input in built.inputs() {
             let path = normalized(Path::new(&input.path))?;
@@ -145,7 +145,7 @@ impl Collected {
         Ok(())
     }
 
-    /// Adds a program with the files of its folder that it includes or imports.
+    /// Adds a program with all files that it includes or imports, directly or indirectly.
     fn add_program(&mut self, path: &Path) -> anyhow::Result<()> {
         let mut pending = vec![normalized(path)?];
         let mut seen = BTreeSet::new();
@@ -292,8 +292,8 @@ fn example(name: &Path) -> anyhow::Result<PathBuf> {
     bail!("--example: no example is called `{}`, accepted: {}", name.display(), names.collect::<Vec<_>>().join(", "))
 }
 
-/// Lets `args` run the scene of an example or of an archive if they name one; the files are removed when the result is
-/// dropped.
+/// If `args` name an example or an archive, makes them refer to its scene. Unpacked files are removed when the result
+/// is dropped.
 ///
 /// # Errors
 /// See [`unpack`].

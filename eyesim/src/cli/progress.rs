@@ -135,8 +135,8 @@ impl Progress {
         bar.tick();
     }
 
-    /// Returns a function that shows what programs compute within a slot, instead of the robots' states; `None` if the
-    /// bar is hidden.
+    /// Returns a function that shows a text about a program that computes within a slot, instead of the robots' states;
+    /// `None` if the bar is hidden.
     pub fn computing(&self) -> Option<impl FnMut(&str) + Send + use<>> {
         let bar = self.bar.clone()?;
         let (mut time, mut last_message) = (String::new(), String::new());

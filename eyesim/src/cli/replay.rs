@@ -1,4 +1,4 @@
-//! `eyesim replay`: shows a recorded run on the page, or runs it again and compares.
+//! `eyesim replay`: shows a recorded run on the page, or runs it again and compares the two runs.
 
 use std::collections::VecDeque;
 use std::net::Ipv4Addr;

@@ -260,7 +260,7 @@ impl RunArgs {
     }
 }
 
-/// Reads the value of `--exec`.
+/// Parser of the value of `--exec`.
 fn exec_parser() -> impl TypedValueParser<Value = Exec> {
     let values = EXECS.map(|(_, name, help)| PossibleValue::new(name).help(help));
     let exec_of =
@@ -347,8 +347,8 @@ pub fn carry_out(
     Ok(Some(finished_run))
 }
 
-/// Prints on standard error the reason of the run's end if the table does not show it, and the reasons why robots
-/// failed.
+/// Prints on standard error why the run ended if the table does not show it, which forbidden functions were called, and
+/// why robots failed.
 pub fn explain(finished: &Finished) {
     let Finished { settings, ended, report, remarks, .. } = finished;
     remarks.iter().for_each(say);
@@ -390,8 +390,8 @@ pub fn forbidden_calls(calls: &BTreeMap<String, u64>) -> String {
     calls.iter().map(describe).collect::<Vec<_>>().join(", ")
 }
 
-/// The command that shows in the window what led to the earliest failure of a check: it has the arguments of this run
-/// except those of output files, and `--at` with the time one second before the failure.
+/// The command that shows in the window what led to the earliest failure of a check. It has the arguments of this run
+/// except those that only concern output, and `--at` with the time one second before the failure.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
     const OUTPUT: [&str; 10] = [

@@ -1,5 +1,5 @@
-//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, which a later call continues. Also shows
-//! the status of a folder and merges its rows.
+//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder; a later call continues the sweep. Also
+//! shows the status of a folder and merges its rows.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write as _};
@@ -214,7 +214,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     Ok(if has_errors { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
 
-/// Parses `--keep`, and creates the folder of traces.
+/// Reads `--keep`, and creates the folder of traces if any are kept.
 fn keep_policy(args: &RunArgs) -> anyhow::Result<Keep> {
     let folder = || {
         let folder = args.output.join("traces");
@@ -228,7 +228,7 @@ fn keep_policy(args: &RunArgs) -> anyhow::Result<Keep> {
     })
 }
 
-/// Progress bar on standard error, hidden if that is no terminal. It has no thread, so that this process can fork.
+/// Progress bar on standard error, hidden if that is not a terminal. It has no thread, so that this process can fork.
 fn progress(count: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(5));
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {eta}");

@@ -25,7 +25,7 @@ const INDENT: &str = "    ";
 pub struct TableScreen {
     /// Columns per line.
     pub width: usize,
-    /// Colours may be used; nothing is shown by colour alone.
+    /// True if colours may be used; nothing is shown by colour alone.
     pub has_colour: bool,
 }
 

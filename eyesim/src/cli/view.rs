@@ -86,7 +86,7 @@ struct ListenAddress {
 /// Default port of the window.
 const DEFAULT_PORT: u16 = 7351;
 
-/// Interval between two checks for changed files with --watch.
+/// Minimum interval between two checks for changed files with --watch.
 const WATCH_PERIOD: Duration = Duration::from_millis(50);
 
 /// Interval between two checks for requests once the run is over.

@@ -1,5 +1,5 @@
-//! Pool of worker processes, forked from this one, that run cases. Cases whose programs all run on fibers share workers;
-//! every other case has a worker of its own.
+//! Pool of worker processes, forked from this one, that run cases. Cases whose programs all run on fibers may share a
+//! worker; every other case has a worker of its own.
 
 use std::collections::VecDeque;
 use std::io::{self, Read as _, Write as _};

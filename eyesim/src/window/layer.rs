@@ -25,9 +25,9 @@ pub struct ShownLayers {
 }
 
 impl ShownLayers {
-    /// The layers of `robots` that differ from the shown ones. Layers whose shown version is oldest come first, until the
-    /// bandwidth is used up. If the run `is_at_rest`, all changed layers are returned, since no later call might show
-    /// the others. `number` is the number of the run.
+    /// The layers of `robots` that differ from the shown ones. Layers whose shown version is oldest come first, until
+    /// the bandwidth is used up. If the run `is_at_rest`, all changed layers are returned, since no later call might
+    /// show the others. `number` is the number of the run.
     pub fn changed(
         &mut self,
         run: &Run,

@@ -18,16 +18,16 @@ pub enum Action {
     Type {
         /// Number of the robot.
         robot: u32,
-        /// The line, without its end.
+        /// The line, without its line break.
         line: String,
     },
     /// Places a robot at a pose.
     PlaceRobot {
         /// Number of the robot.
         robot: u32,
-        /// World coordinate to the right.
+        /// World x coordinate.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y coordinate.
         y_m: f64,
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
@@ -36,9 +36,9 @@ pub enum Action {
     PlaceObject {
         /// Number of the object.
         object: u32,
-        /// World coordinate to the right.
+        /// World x coordinate.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y coordinate.
         y_m: f64,
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
@@ -58,7 +58,7 @@ pub enum Action {
         robot: u32,
         /// Name of the sensor.
         sensor: String,
-        /// True for on.
+        /// True to switch it on.
         on: bool,
     },
     /// Adds a robot of a type that the scene knows.
@@ -67,9 +67,9 @@ pub enum Action {
         kind: String,
         /// Number of the robot whose program it runs; none for a robot without a program.
         program_of: Option<u32>,
-        /// World coordinate to the right.
+        /// World x coordinate.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y coordinate.
         y_m: f64,
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
@@ -83,9 +83,9 @@ pub enum Action {
     AddObject {
         /// Name of the type, one of those that can be added (`workshop` of the scene).
         kind: String,
-        /// World coordinate to the right.
+        /// World x coordinate.
         x_m: f64,
-        /// World coordinate upwards.
+        /// World y coordinate.
         y_m: f64,
         /// Heading, counter-clockwise from x.
         phi_rad: f64,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Pose;
 
-/// A layer that the program of a robot shows, in place of an earlier one of its name.
+/// A layer that the program of a robot shows. It replaces an earlier layer of the same name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Layer {
@@ -14,9 +14,9 @@ pub struct Layer {
     pub robot: u32,
     /// Name of the layer.
     pub name: String,
-    /// Virtual time at which the program has shown it.
+    /// Virtual time at which the program showed it.
     pub t_s: f64,
-    /// Pose in the world of the frame of its coordinates.
+    /// World pose of the frame of its coordinates.
     pub frame: Pose,
     /// Its content.
     pub content: LayerContent,

@@ -93,6 +93,6 @@ pub enum Build {
 pub struct Answer {
     /// Number that the page gave the command.
     pub number: u32,
-    /// Reason of the refusal; `None` if the command was carried out.
+    /// Reason for the refusal; `None` if the command was carried out.
     pub refused: Option<String>,
 }

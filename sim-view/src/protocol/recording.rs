@@ -49,9 +49,9 @@ pub struct Track {
     /// Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the
     /// first point the body is not in the world; after the last it stays there.
     pub t_s: Vec<f64>,
-    /// World coordinates to the right, one for each time.
+    /// World x coordinates, one for each time.
     pub x_m: Vec<f64>,
-    /// World coordinates upwards, one for each time.
+    /// World y coordinates, one for each time.
     pub y_m: Vec<f64>,
     /// Headings, counter-clockwise from x, including whole turns, one for each time.
     pub phi_rad: Vec<f64>,

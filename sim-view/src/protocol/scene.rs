@@ -64,7 +64,7 @@ pub struct Mesh {
 pub struct Material {
     /// Number of triangles that have it.
     pub triangles: u32,
-    /// Colour by which the image's colour is multiplied.
+    /// Colour, multiplied by the colour of the image if there is one.
     pub colour: [u8; 3],
     /// Index of its texture in [`Scene::images`].
     pub image: Option<u32>,
@@ -245,7 +245,7 @@ pub struct Sensor {
     pub mount: Option<Point>,
     /// Minimum and maximum distance that it measures.
     pub range_m: Option<[f64; 2]>,
-    /// Half the angle of its beam; 0 for a ray.
+    /// Half the angle of its beam, scan, sector or view; 0 for a ray.
     pub half_angle_rad: f64,
 }
 

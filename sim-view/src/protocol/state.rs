@@ -20,7 +20,7 @@ pub struct Snapshot {
     pub robots: Vec<RobotState>,
     /// All movable objects that are in the world, in order of their numbers.
     pub objects: Vec<ObjectState>,
-    /// Noise-free beams of the range sensors.
+    /// Noise-free beams of the range and infrared sensors.
     pub beams: Vec<Beam>,
     /// The checks of the scene, in the order of the file.
     pub checks: Vec<CheckState>,
@@ -130,9 +130,9 @@ pub struct MotionPiece {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Pose {
-    /// World coordinate to the right.
+    /// World x coordinate.
     pub x_m: f64,
-    /// World coordinate upwards.
+    /// World y coordinate.
     pub y_m: f64,
     /// Heading, counter-clockwise from x, including whole turns.
     pub phi_rad: f64,
@@ -148,7 +148,7 @@ pub struct ObjectState {
     pub pose: Pose,
 }
 
-/// A beam of a range sensor.
+/// A beam of a range or infrared sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Beam {

@@ -1,6 +1,6 @@
-//! The archive that Gradescope runs: `setup.sh` and `run_autograder`, with this binary and the suite in it.
+//! The archive that Gradescope runs. It contains `setup.sh`, `run_autograder`, this binary and the suite.
 //!
-//! Source: the specification of its autograders, gradescope-autograders.readthedocs.io/en/latest/specs.
+//! Source: the specification of Gradescope's autograders, gradescope-autograders.readthedocs.io/en/latest/specs.
 
 use std::fs;
 use std::io::{Cursor, Write as _};

@@ -1,6 +1,6 @@
 //! Results of a submission in Gradescope's format.
 //!
-//! Source: the specification of its autograders, gradescope-autograders.readthedocs.io/en/latest/specs.
+//! Source: the specification of Gradescope's autograders, gradescope-autograders.readthedocs.io/en/latest/specs.
 
 use std::fmt::Write as _;
 
@@ -67,7 +67,7 @@ fn test(name: &str, (points, max_points): (f64, f64), passed: bool, output: &str
     })
 }
 
-/// Reasons of the failures of a check; without a check, of the failures of the cases.
+/// Reasons why cases fail a check; without a check, reasons why cases fail.
 fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usize>) -> String {
     let mut listed: Vec<(String, String)> = Vec::new();
     for result in results.filter(|result| result.row.outcome != RowOutcome::Passed) {

@@ -8,7 +8,7 @@ use super::documents::Document;
 use super::toml_cursor::{CursorPosition, Outline, Table};
 use super::{item, pages};
 
-/// Explanation of the key at `offset`, or of the word that is its value.
+/// Explanation of the key at `offset`, or of the key whose value is at `offset`.
 pub fn hover(document: &Document, offset: usize) -> Option<String> {
     let schema = Schema::of(document)?;
     let outline = Outline::of(&document.text);
@@ -75,7 +75,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
             };
             let mut words = schema.words(property);
             if key == "kind" {
-                // Properties of all variants, not only of the written one.
+                // The kinds of all variants are offered, not only the written one.
                 let path = [&table.path[..], before].concat();
                 words = schema.table_schemas(&path).iter().flat_map(|schema| variant_of(schema)).collect();
             }
@@ -161,7 +161,8 @@ impl Schema {
         })
     }
 
-    /// Schemas of the table below `table` at the keys `before`: only those of its `kind`, if it has one.
+    /// Schemas of the table below `table` at the keys `before`. Without keys, and if `table` has a known `kind`, only
+    /// those of this kind.
     fn table_schemas_of(&self, table: &Table, before: &[String], text: &str) -> Vec<&Json> {
         let mut schemas = self.table_schemas(&[&table.path[..], before].concat());
         if let Some(kind) = Outline::text_of(table, "kind", text).filter(|_| before.is_empty())

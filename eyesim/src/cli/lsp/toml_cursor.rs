@@ -1,4 +1,4 @@
-//! Cursor positions in a TOML text that may be unfinished: in a table, a key or a value.
+//! Cursor positions in a TOML text that may be unfinished: in a header, a key or a value.
 
 use std::ops::Range;
 
@@ -25,9 +25,9 @@ pub struct TableEntry {
 /// Position of the cursor.
 #[derive(Debug, PartialEq)]
 pub enum CursorPosition<'t> {
-    /// In a header `[a.b]`: the keys before the one at the cursor.
+    /// In a header `[a.b]`: its keys without the last one.
     Header(Vec<String>),
-    /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
+    /// At a key of the table, written or not: the parts of a dotted key without the last one.
     Key(&'t Table, Vec<String>),
     /// In the value of an entry of the table.
     Value(&'t Table, &'t TableEntry),
@@ -57,7 +57,7 @@ impl Outline {
             return CursorPosition::Header(before);
         }
         let contains_cursor = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
-        // The root's body may be empty, but is the first table; inner tables follow the outer ones.
+        // The first table is the root, even if its body is empty; inner tables follow the outer ones.
         let table = self.tables.iter().rfind(contains_cursor).unwrap_or(&self.tables[0]);
         for entry in &table.entries {
             if entry.value.as_ref().is_some_and(|value| value.start <= offset && offset <= value.end) {
@@ -70,7 +70,7 @@ impl Outline {
         CursorPosition::Key(table, Vec::new())
     }
 
-    /// The value of the text entry `key` of a table, without its quotation marks.
+    /// The value of the entry `key` of a table, without quotation marks; `None` if it is not a text.
     pub fn text_of<'s>(table: &Table, key: &str, text: &'s str) -> Option<&'s str> {
         let entry = table.entries.iter().find(|entry| entry.key == [key])?;
         let value = text[entry.value.clone()?].trim();
@@ -159,7 +159,7 @@ impl Scanner<'_> {
         self.outline.tables[table].entries.push(entry);
     }
 
-    /// Skips a value, with the tables in it.
+    /// Skips a value, and adds the inline tables in it.
     fn value(&mut self, path: Vec<String>) {
         match self.peek() {
             Some(quote @ ('"' | '\'')) => self.string(quote),

@@ -89,9 +89,9 @@ pub(in crate::cli) fn report_diagnostics(
     Ok(())
 }
 
-/// Shows diagnostics on standard error, the first of each kind in each file.
+/// Shows diagnostics on standard error: of each code in each file only the first few, and the number of the others.
 fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> {
-    /// Maximum number of one kind in one file.
+    /// Maximum number of diagnostics with one code in one file.
     const MAX_ALIKE: usize = 20;
     let mut counts: BTreeMap<(&str, Code), usize> = BTreeMap::new();
     let mut shown: Vec<Diagnostic> = Vec::new();
@@ -250,7 +250,7 @@ impl FinishedRun {
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
         let (Some(series), CheckKind::Swarm { metric, .. }) = (&check.series, &spec.kind) else { continue };
-        // The value is constant until it changes.
+        // Each value holds until the time of the next.
         let ends = series.iter().skip(1).map(|[time, _]| *time).chain([report.sim_time_s]);
         let points =
             series.iter().zip(ends).flat_map(|([time, value], end)| [(*time, *value), (end, *value)]).collect();

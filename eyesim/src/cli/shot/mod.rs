@@ -102,7 +102,7 @@ impl Subject {
 }
 
 /// Runs the command. The exit code is 0, or 1 if a program failed; the picture is taken in both cases. A program that
-/// waits for a key has not failed.
+/// still waits, for example for a key, has not failed.
 ///
 /// # Errors
 /// If files or arguments are wrong.
@@ -135,7 +135,7 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     )?;
     write_atomically(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
 
-    // A program that waits for a key is not a failure here.
+    // A program that still waits is not a failure here.
     finished_run.finished.report.robots.iter_mut().for_each(|robot| {
         if robot.outcome == Outcome::Waiting {
             robot.outcome = Outcome::Running;

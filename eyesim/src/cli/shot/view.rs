@@ -1,4 +1,4 @@
-//! Picture of a robot's camera, or of a free camera, at the end of a run.
+//! Picture of a finished run by a robot's camera or by a free camera.
 
 use anyhow::Context;
 use glam::{DVec2, DVec3};
@@ -79,7 +79,7 @@ pub struct ShotPicture {
 }
 
 impl ShotCamera {
-    /// A camera at `from` that looks at `to`, with a horizontal field of view of `fov` rad.
+    /// A camera at `from` that looks at `to`, with a horizontal field of view of `fov` rad or else the default lens.
     ///
     /// # Errors
     /// If the two points are equal.
@@ -93,7 +93,7 @@ impl ShotCamera {
 /// Pose of a camera with the default lens that looks straight down on a whole floor and a margin around it; y points to
 /// the top of the picture. The size of the floor is in metres, that of the picture in pixels.
 fn pose_above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
-    // Minimum length of the floor that a pixel must cover.
+    // Length of the floor, in metres, that a pixel must cover at least.
     let metres_per_pixel = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
     let height_above = 0.5 * f64::from(width) * metres_per_pixel / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
     let middle = (0.5 * floor).extend(0.0);

@@ -11,7 +11,7 @@ const SIZE: [usize; 2] = [44, 13];
 /// Numbers of dots of a character across and down.
 const DOTS: [usize; 2] = [2, 4];
 
-/// Lines of the picture; none if the scene cannot be read or no robot moved.
+/// Lines of the picture; none if the result has no paths or the scene cannot be read.
 pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
     if result.traces.is_empty() {
         return Vec::new();

@@ -19,7 +19,7 @@ use crate::suite::{Case, CaseResult, Row, RowOutcome};
 const MAX_DETAILED: usize = 10;
 /// Maximum number of lines of the short summary.
 const MAX_LISTED: usize = 60;
-/// Maximum number of variants in the table.
+/// Maximum number of variants of a suite whose rates are printed.
 const MAX_VARIANTS: usize = 40;
 /// Maximum number of lines of an error's details, such as the output of a compiler.
 const MAX_DETAIL_LINES: usize = 30;

@@ -12,21 +12,21 @@ export type Action = { "do": "press",
   key: string, } | { "do": "type",
   /** Number of the robot. */
   robot: number,
-  /** The line, without its end. */
+  /** The line, without its line break. */
   line: string, } | { "do": "place_robot",
   /** Number of the robot. */
   robot: number,
-  /** World coordinate to the right. */
+  /** World x coordinate. */
   x_m: number,
-  /** World coordinate upwards. */
+  /** World y coordinate. */
   y_m: number,
   /** Heading, counter-clockwise from x. */
   phi_rad: number, } | { "do": "place_object",
   /** Number of the object. */
   object: number,
-  /** World coordinate to the right. */
+  /** World x coordinate. */
   x_m: number,
-  /** World coordinate upwards. */
+  /** World y coordinate. */
   y_m: number,
   /** Heading, counter-clockwise from x. */
   phi_rad: number, } | { "do": "set_noise",
@@ -40,15 +40,15 @@ export type Action = { "do": "press",
   robot: number,
   /** Name of the sensor. */
   sensor: string,
-  /** True for on. */
+  /** True to switch it on. */
   on: boolean, } | { "do": "add_robot",
   /** Name of the type, one of those that can be added (`workshop` of the scene). */
   kind: string,
   /** Number of the robot whose program it runs; none for a robot without a program. */
   program_of: number | null,
-  /** World coordinate to the right. */
+  /** World x coordinate. */
   x_m: number,
-  /** World coordinate upwards. */
+  /** World y coordinate. */
   y_m: number,
   /** Heading, counter-clockwise from x. */
   phi_rad: number, } | { "do": "remove_robot",
@@ -56,9 +56,9 @@ export type Action = { "do": "press",
   robot: number, } | { "do": "add_object",
   /** Name of the type, one of those that can be added (`workshop` of the scene). */
   kind: string,
-  /** World coordinate to the right. */
+  /** World x coordinate. */
   x_m: number,
-  /** World coordinate upwards. */
+  /** World y coordinate. */
   y_m: number,
   /** Heading, counter-clockwise from x. */
   phi_rad: number, } | { "do": "remove_object",
@@ -76,7 +76,7 @@ export type AddableTypes = {
 export type Answer = {
   /** Number that the page gave the command. */
   number: number,
-  /** Reason of the refusal; `None` if the command was carried out. */
+  /** Reason for the refusal; `None` if the command was carried out. */
   refused: string | null, };
 
 /** Attachment of a part. */
@@ -94,7 +94,7 @@ export type Attachment = { "on": "world",
   /** Its number. */
   object: number, };
 
-/** A beam of a range sensor. */
+/** A beam of a range or infrared sensor. */
 export type Beam = {
   /** Number of the robot. */
   robot: number,
@@ -230,7 +230,7 @@ export type Image = {
   /** Its PNG as a `data:` URL. */
   url: string, };
 
-/** A layer that the program of a robot shows, in place of an earlier one of its name. */
+/** A layer that the program of a robot shows. It replaces an earlier layer of the same name. */
 export type Layer = {
   /** Number of the run. */
   run: number,
@@ -238,9 +238,9 @@ export type Layer = {
   robot: number,
   /** Name of the layer. */
   name: string,
-  /** Virtual time at which the program has shown it. */
+  /** Virtual time at which the program showed it. */
   t_s: number,
-  /** Pose in the world of the frame of its coordinates. */
+  /** World pose of the frame of its coordinates. */
   frame: Pose,
   /** Its content. */
   content: LayerContent, };
@@ -295,7 +295,7 @@ export type Link = {
 export type Material = {
   /** Number of triangles that have it. */
   triangles: number,
-  /** Colour by which the image's colour is multiplied. */
+  /** Colour, multiplied by the colour of the image if there is one. */
   colour: [number, number, number],
   /** Index of its texture in [`Scene::images`]. */
   image: number | null, };
@@ -381,9 +381,9 @@ export type Point = {
 
 /** A pose in the plane. */
 export type Pose = {
-  /** World coordinate to the right. */
+  /** World x coordinate. */
   x_m: number,
-  /** World coordinate upwards. */
+  /** World y coordinate. */
   y_m: number,
   /** Heading, counter-clockwise from x, including whole turns. */
   phi_rad: number, };
@@ -559,7 +559,7 @@ export type Sensor = {
   mount: Point | null,
   /** Minimum and maximum distance that it measures. */
   range_m: [number, number] | null,
-  /** Half the angle of its beam; 0 for a ray. */
+  /** Half the angle of its beam, scan, sector or view; 0 for a ray. */
   half_angle_rad: number, };
 
 /** Kinds of sensors. */
@@ -595,7 +595,7 @@ export type Snapshot = {
   robots: Array<RobotState>,
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<ObjectState>,
-  /** Noise-free beams of the range sensors. */
+  /** Noise-free beams of the range and infrared sensors. */
   beams: Array<Beam>,
   /** The checks of the scene, in the order of the file. */
   checks: Array<CheckState>, };
@@ -628,9 +628,9 @@ export type Track = {
    * first point the body is not in the world; after the last it stays there.
    */
   t_s: Array<number>,
-  /** World coordinates to the right, one for each time. */
+  /** World x coordinates, one for each time. */
   x_m: Array<number>,
-  /** World coordinates upwards, one for each time. */
+  /** World y coordinates, one for each time. */
   y_m: Array<number>,
   /** Headings, counter-clockwise from x, including whole turns, one for each time. */
   phi_rad: Array<number>,

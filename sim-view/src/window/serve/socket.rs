@@ -55,7 +55,7 @@ impl CloseReason {
     }
 }
 
-/// End of a connection: with a close frame, or `None` if the page is already disconnected.
+/// End of a connection: with a close frame, or `None` if the page is disconnected or does not respond.
 type End = Option<CloseReason>;
 
 /// Serves one page until it disconnects or is disconnected.
