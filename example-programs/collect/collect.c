@@ -7,7 +7,7 @@
 
 #define DEPOT_X 400     /* mm; balls lie in rows from here */
 #define DEPOT_Y 400
-#define DEPOT 900       /* balls and robots nearer to the corner than this are at the depot */
+#define DEPOT 900       /* side of the depot, a square in the corner, mm */
 #define REACH 160       /* reach of the gripper from the robot's centre, mm */
 #define SPEED 300       /* mm/s */
 #define CLEAR 320       /* distance from walls and other robots, mm */
@@ -59,8 +59,8 @@ static int choose(void)
   return best;
 }
 
-/* Returns the distance of the nearest obstacle ahead and its direction, by the laser scanner. The target of the robot, `target_distance` mm away
- * at `goal` degrees, is no obstacle. */
+/* Returns the distance of the nearest obstacle ahead, by the laser scanner, and sets its direction. The target of the robot,
+ * `target_distance` mm away at `goal` degrees, is no obstacle. */
 static int obstacle(int goal, double target_distance, int *direction)
 {
   int at, best = 9999;

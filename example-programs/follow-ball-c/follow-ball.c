@@ -1,8 +1,8 @@
 /* Finds a ball by its colour, drives to it and stops in front of it.
  *
  * A pixel belongs to the ball if it has the ball's hue and is saturated: brown has the hue of orange, but a lower saturation. Pixels
- * are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with most of them.
- * Its width gives the distance of the ball.
+ * are counted by column, so that single pixels coloured by noise do not matter: the ball is the run of columns with the most
+ * ball pixels. Its width gives the distance of the ball.
  *
  * Optional argument: the hue, 0 to 255: follow-ball 65 */
 #include <math.h>
@@ -51,7 +51,7 @@ static Ball look(int wanted)
   return best;
 }
 
-/* Width of the image over twice its distance behind the lens: a camera with a field of view of 60 degrees. */
+/* Focal length in pixels, of a camera with a field of view of 60 degrees. */
 static double focal_length(void)
 {
   return QQVGA_X / 2 / tan(30 * M_PI / 180);
@@ -92,7 +92,7 @@ static int limited(double value, int limit)
   return (int)(value > limit ? limit : value < -limit ? -limit : value);
 }
 
-/* Drives ahead to another place, as far as the free distance permits. */
+/* Drives up to 0.7 m ahead but leaves 0.3 m free in front; backs up 0.1 m if there is less. */
 static void move_on(void)
 {
   int room = PSDGet(PSD_FRONT) - 300;

@@ -55,7 +55,7 @@ static void read_row(int row, int levels[QQVGA_X])
   }
 }
 
-/* Finds the markings of the lane whose middle is expected `middle` mm to the left, in mm to the left.
+/* Finds the markings of the lane whose middle is expected `middle` mm to the left, and sets their places in mm to the left.
  * Returns 1 if only the left one is found, 2 if only the right one, 3 if both, else 0. */
 static int markings(int row, double middle, double *left, double *right)
 {

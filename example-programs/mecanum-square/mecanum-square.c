@@ -13,7 +13,7 @@ static MotorHandle fl, fr, bl, br;
 static QuadHandle  qfl, qfr, qbl, qbr;
 static double x, y;   /* by the encoders, in m */
 
-/* Drives straight to one of four sides: `ahead` and `left` are -1, 0 or 1, and one of them is 0. */
+/* Drives one side of the square in one of four directions: `ahead` and `left` are -1, 0 or 1, and one of them is 0. */
 static void drive(int ahead, int left)
 {
   double a, b, c, d;

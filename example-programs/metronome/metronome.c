@@ -3,7 +3,7 @@
 
 static volatile int beats;
 
-/* Callback of the timer, called within any call of the program: it must be short and must not wait. */
+/* Callback of the timer. It runs inside whatever call the program is making: it must be short and must not wait. */
 static void beat(void)
 {
   beats++;

@@ -6,7 +6,7 @@
 #define TASKS  3
 #define STEPS  4
 
-static int sum;  /* tasks change at OSReschedule only: no semaphore is needed */
+static int sum;  /* needs no semaphore: tasks switch only at OSReschedule */
 
 static void work(void)
 {

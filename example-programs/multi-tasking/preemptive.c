@@ -1,6 +1,6 @@
 /* The classic example of multi-tasking, pre-emptive: the master spawns three tasks. Two of the same priority take turns every 10 ms;
-   the third has a higher priority and runs as soon as its sleep is over. The master, which has the lowest, runs when no other task is
-   ready. */
+   the third has a higher priority and runs as soon as its sleep is over. The master has the lowest priority and runs when no other
+   task is ready. */
 #include <stdio.h>
 #include "eyebot.h"
 
@@ -23,7 +23,7 @@ static void work(void)
 
   for (step = 1; step <= STEPS; step++) {
     say("step", step);
-    OSWait(1);  /* busy wait: other tasks of its priority get their turn, the master does not */
+    OSWait(1);  /* busy wait: the other task of the same priority gets its turns, the master does not */
   }
   running--;
 }

@@ -1,8 +1,8 @@
 /* Drives the submarine Mako one lap around a pool, along the wall at its right, then surfaces.
  *
- * The thrusters give forces, not speeds, and the hull coasts: so all control is proportional to an error and to the rate at which it
- * changes. Two PSD sensors to the right, one behind the other, give the angle to the wall and the distance from it, one down the
- * height above the floor. At a corner Mako turns to the left until it lines up with the next wall. */
+ * The thrusters give forces, not speeds, and the hull coasts. So all control is proportional to an error and to its rate of change.
+ * Two PSD sensors to the right, one behind the other, give the angle to the wall and the distance from it; one that points down gives
+ * the height above the floor. At a corner Mako turns to the left until it lines up with the next wall. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -36,7 +36,7 @@ static int limited(double percent, int max)
 
 static Signal height; /* m */
 
-/* Thrust that brings Mako to a height above the floor, in mm. */
+/* Sets the thrust that brings Mako to a height above the floor, in mm. */
 static void hold_height(int target)
 {
   update(&height, PSDGet(PSD_BELOW) / 1000.0);
@@ -83,7 +83,7 @@ static void step_left(void)
   OSWait(STEP);
 }
 
-/* Turns to the left on the spot until the wall that was ahead lies at the right, in parallel. */
+/* Turns to the left on the spot until the wall that was ahead is at the right, parallel to Mako. */
 static void turn_left(void)
 {
   while (PSDGet(PSD_AHEAD) < CLEAR || !nears_wall()) {

@@ -11,7 +11,7 @@
 #define SPEED    0.2f   /* m/s */
 #define NEAR     140    /* mm: a wall at the side is nearer */
 #define TIMEOUT  20     /* 1/100 s without an acknowledgement until a report is sent again */
-#define LINGER   300    /* 1/100 s of silence at the end, since an acknowledgement may be lost */
+#define LINGER   300    /* 1/100 s of silence before the end: until then it answers repeats, since an acknowledgement may be lost */
 #define UNKNOWN  4
 
 enum kind { FOUND, ACK };

@@ -1,5 +1,5 @@
 /* Soccer: the striker (robot 1) drives behind the ball at the kick-off point, checks that the ball is there and kicks it into
-   the opposite goal; the others keep their goals, driving up and down before them. */
+   the opposite goal; the others keep their goals: they drive back and forth in front of them. */
 #include <math.h>
 #include "eyebot.h"
 
@@ -62,7 +62,7 @@ static int kick_off(VWHandle vw, PSDHandle front)
   return 0;
 }
 
-/* Drives up and down, across the line to the other goal. */
+/* Drives back and forth in front of the goal, at right angles to the line to the other goal. */
 static void keep_goal(VWHandle vw, int robot)
 {
   double side = robot == 3 ? -1 : 1;

@@ -1,6 +1,7 @@
 /* Swings an arm with three range sensors from the floor upwards over a step, and prints their readings.
-   Sensors and sweep are those of France et al. (1999): the laser has no return beyond an incidence angle of 45 degrees, the
-   ultrasonic sensor detects only the face of the step, the reflectance sensor reads too far at oblique incidence. */
+   Sensors and sweep are those of France et al. (1999): the laser detects nothing beyond an incidence angle of 45 degrees and
+   then reads 2 m, the ultrasonic sensor detects only the face of the step, the reflectance sensor reads too far at oblique
+   incidence. */
 #include "eyebot.h"
 #include <stdio.h>
 

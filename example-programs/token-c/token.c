@@ -9,10 +9,10 @@
 #define ACK      'A'   /* the same */
 #define LENGTH   5
 #define TIMEOUT  6     /* 1/100 s without an answer until a message is sent again */
-#define LINGER   300   /* 1/100 s at the end, since the last acknowledgement may be lost */
+#define LINGER   300   /* 1/100 s of silence before the end: until then it answers, since the last acknowledgement may be lost */
 
 static int me, previous, next;
-static unsigned taken;  /* the last hop that ended here */
+static unsigned taken;  /* number of the last hop received here */
 static int repeats;
 
 static void send(int to, char kind, unsigned hop)

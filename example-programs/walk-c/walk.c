@@ -7,7 +7,8 @@
 #define KNEE 4
 #define SHANK 2 /* link */
 
-/* Prints a line for each leg: angles of hip and knee in degrees, position and height of the knee in mm, and contact of the foot. */
+/* Prints the height of the body, and a line for each leg: angles of hip and knee in degrees, position and height of the knee in mm,
+ * and contact of the foot. */
 static void show(const char *what)
 {
   float height, hip, knee, shank[6];
@@ -24,7 +25,7 @@ static void show(const char *what)
   }
 }
 
-/* Walks for 3 s and stops; prints the odometry at the end, in mm and degrees. */
+/* Walks for 3 s, prints the posture every second, stops, and shows the odometry on the display, in mm and degrees. */
 static void walk(const char *what, int vx, int vy, int omega)
 {
   int i, x, y, phi;

@@ -73,7 +73,8 @@ impl Dome {
     }
 }
 
-/// Distance of the first echo that an SRF08 detects, m, by the model of docs/sensors.md.
+/// Distance of the nearest echo that an SRF08 detects, m: the energy model of docs/sensors.md along 80 rays, without the
+/// directions of nearest points.
 fn first_echo(domes: &[Dome], sonar: &SonarPose) -> Option<f64> {
     const RAYS: usize = 80;
     let nearby: Vec<&Dome> = domes

@@ -33,9 +33,9 @@ fn ramp(value: f64, (from, to): (f64, f64)) -> f64 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// P_H of Eq. 4: vector in the plane towards the high points around `shank`. Its length is that of the nearest point's
-/// p_k: 1 at the shank, 0 from `reach` m on. Points are weighted by their membership in `high` (our choice; it makes
-/// the equation a fuzzy rule).
+/// P_H of Eq. 4: vector in the plane towards the high points around `shank`. Its length is that of the longest p_k. The
+/// length of a p_k falls from 1 at the shank to 0 at `reach` m, and is weighted by the point's membership in `high` (our
+/// choice; it makes the equation a fuzzy rule).
 pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch, f64)>) -> Vector2<f64> {
     let vectors = points.filter_map(|(patch, membership)| {
         let offset = Vector2::new(patch.x, patch.y) - shank;

@@ -5,7 +5,7 @@
 //! from which it can see unknown cells, and ends when there is none.
 //!
 //! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is
-//! that of the start: x ahead, y to the left. Default: 4 m around, cells of 50 mm.
+//! that of the start: x ahead, y to the left. Default: 4 m to each side, cells of 50 mm.
 //!
 //! It prints `look` with each [`Scan`], `stop` for each place, and at the end the map as `row`s, the upper one first:
 //! `#` occupied, `.` free, `?` unknown. The display shows the map; the window also shows its probabilities and the path
@@ -39,7 +39,7 @@ const SONARS: [PsdAt; 7] = [
 ];
 /// Index of the sonar that looks ahead.
 const AHEAD: usize = 3;
-/// Two sonar cycles of 60 ms: the first may have begun before the robot stood still, the second has not.
+/// Two sonar cycles of 60 ms: the first may have begun before the robot stood still, the second began afterwards.
 const TWO_CYCLES: Duration = Duration::from_millis(120);
 /// Angle by which the robot turns to observe a fault again: half a sector.
 const AGAIN: f64 = 0.5 * FAN.sector;
@@ -93,7 +93,7 @@ struct Mapper<'r> {
     drive: Drive,
     sonars: [Psd; 7],
     map: SectorMap,
-    /// Positions at which an obstacle stopped the robot that is not on the map.
+    /// Positions of the obstacles that stopped the robot although they are not on the map.
     bumps: Vec<Point>,
 }
 

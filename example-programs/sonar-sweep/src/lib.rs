@@ -13,7 +13,7 @@ const STEP: i32 = 14;
 const TO_EITHER_SIDE: i32 = 9;
 /// Degrees per servo position: 90 degrees are 127 positions.
 const DEGREES: f64 = 90.0 / 127.0;
-/// Two sensor cycles of 60 ms: the first may have begun before the servo turned, the second has not.
+/// Two sensor cycles of 60 ms: the first may have begun before the servo turned, the second began afterwards.
 const TWO_CYCLES: Duration = Duration::from_millis(120);
 
 fn main(robot: &Robot) -> Result {

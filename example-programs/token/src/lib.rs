@@ -13,7 +13,7 @@ robios_api::program!(main);
 
 /// Time without an answer after which a token is sent again.
 const TIMEOUT: Duration = Duration::from_millis(60);
-/// Time without a message for which a robot still answers at the end, since an acknowledgement may have been lost.
+/// Time without a message after which a robot ends. Until then it answers, since an acknowledgement may have been lost.
 const LINGER: Duration = Duration::from_secs(3);
 
 /// Message of the protocol, with the number of the hop.

@@ -2,9 +2,10 @@
 //!
 //! Arguments: `walker PLACE SENSOR SPEED [WAY]`. PLACE is the sensor's link, `tibia`, `thigh` or `body`. SENSOR is its
 //! type, `ideal`, `laser`, `ultrasonic` or `reflectance`. SPEED is in mm/s. With WAY, in mm, the robot walks that far
-//! and does not stop before obstacles. Every 25 ms the program reads the sensor and adds the hit point to the profile.
-//! It computes the point from odometry, the height of the body, the pose of the leg's link (from the joints) and the
-//! sensor's pose on the link. A reading of the sensor's maximum distance adds no point.
+//! and does not stop before obstacles. Without arguments it uses `tibia laser 1300`. Every 25 ms the program reads the
+//! sensor and adds the hit point to the profile. It computes the point from odometry, the height of the body, the pose
+//! of the leg's link (from the joints) and the sensor's pose on the link. A reading of the sensor's maximum distance
+//! adds no point.
 //!
 //! The program prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for the coordinates if there
 //! is no point. x counts from the start, z from the floor. The window shows the profile as a line. Source: France et
