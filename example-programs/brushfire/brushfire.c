@@ -118,7 +118,8 @@ static int find_route(Cell start, Cell goal, Cell *route)
   return count;
 }
 
-/* Simplifies a path to its corners: the cells between two corners lie within 1.5 cells of the straight line (Douglas and Peucker). */
+/* Simplifies a path to its corners: the cells between two corners lie within 1.5 cells of the straight line (Douglas and Peucker).
+ * Leaves room for the goal. */
 static int corners(const Cell *route, int first, int last, Point *path, int count)
 {
   double dx = route[last].column - route[first].column, dy = route[last].row - route[first].row, length = hypot(dx, dy);
@@ -136,7 +137,7 @@ static int corners(const Cell *route, int first, int last, Point *path, int coun
     count = corners(route, first, at, path, count);
     return corners(route, at, last, path, count);
   }
-  if (count < MAX_POINTS)
+  if (count < MAX_POINTS - 1)
     path[count++] = cell_centre(route[last].row, route[last].column);
   return count;
 }
