@@ -63,15 +63,15 @@ static int look(int *left, int *right)
   return best >= 2 ? best : 0;
 }
 
-/* Shows the image in black and white, with the pixels of the ball inverted. */
+/* Shows the image without its border, in black and white, with the pixels of the ball inverted. */
 static void show(void)
 {
   int row, column;
 
   LCDPutColorGraphic(&img);
   for (row = 0; row < 54; row++)
-    for (column = 0; column < imagecolumns; column++)
-      if (mask[row][column])
+    for (column = 0; column < imagecolumns - 2; column++)
+      if (mask[row + 1][column + 1])
         LCDInvertPixel(row, column);
 }
 
