@@ -29,13 +29,13 @@ static int moving(int *x, int *y)
   return count;
 }
 
-/* Shows the image, with a cross on the moving object. */
+/* Shows the image without its border, with a cross on the moving object. */
 static void show(image *frame, int is_moving, int x, int y)
 {
   LCDPutGraphic(frame);
   if (is_moving) {
-    LCDLine(x, 0, x, 53, 2);
-    LCDLine(0, y, imagecolumns - 1, y, 2);
+    LCDLine(x - 1, 0, x - 1, 53, 2);
+    LCDLine(0, y - 1, imagecolumns - 3, y - 1, 2);
   }
 }
 
