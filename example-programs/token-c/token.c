@@ -35,6 +35,8 @@ static unsigned receive(void)
   hop = message[1] | message[2] << 8 | message[3] << 16 | (unsigned)message[4] << 24;
   if (message[0] == ACK)
     return hop;
+  if (message[0] != TOKEN)
+    return 0;
   send(previous, ACK, hop);  /* also for a duplicate, whose acknowledgement was lost */
   if (hop > taken)
     taken = hop;
