@@ -7,13 +7,13 @@
 #define POINTS     360
 #define NEAR       260 /* distance of an obstacle ahead at which the robot starts to follow, mm */
 #define KEEP       220 /* distance that the robot keeps from the boundary, mm */
-#define STEP       100 /* reduction of the distance to the goal at which the robot leaves the boundary, mm */
+#define STEP       100 /* gain on the best distance to the goal so far for which the robot leaves the boundary, mm */
 #define HALF_WIDTH 120 /* half of the width that the robot needs, mm */
 #define SPEED      200 /* mm/s */
 
 static int scan[POINTS]; /* mm, from left to right, one a degree */
 
-/* Measured distance in a direction, in degrees to the left. */
+/* Scanned distance in a direction, in degrees to the left. */
 static int distance_at(int direction)
 {
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];

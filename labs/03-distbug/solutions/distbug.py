@@ -8,14 +8,14 @@ from eye import *
 
 NEAR = 260        # distance of an obstacle ahead at which the robot starts to follow its boundary, mm
 KEEP = 220        # distance that the robot keeps from the boundary, mm
-STEP = 100        # reduction of the distance to the goal at which the robot leaves the boundary, mm
+STEP = 100        # gain on the best distance to the goal so far for which the robot leaves the boundary, mm
 HALF_WIDTH = 120  # half of the width that the robot needs, mm
 SPEED = 200       # mm/s
 BEAM = [(at, cos(radians(at)), abs(sin(radians(at)))) for at in range(-85, 86)]
 
 
 def distance_at(direction):
-    """Measured distance in a direction, in degrees to the left."""
+    """Scanned distance in a direction, in degrees to the left."""
     return scan[(180 - direction) % 360]
 
 

@@ -11,7 +11,7 @@
 
 static int scan[POINTS]; /* mm, from left to right, one a degree */
 
-/* Measured distance in a direction, in degrees to the left. */
+/* Scanned distance in a direction, in degrees to the left. */
 static int distance_at(int direction)
 {
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
