@@ -135,8 +135,14 @@ impl Window {
         format!("http://{}/", SocketAddr::new(reachable_address(self.address.ip()), self.address.port()))
     }
 
+    /// Begins the run of a number: discards the scene, events, layers and details of the previous run. Events that are
+    /// added before the scene is shown reach the pages after it.
+    pub fn begin_run(&self, run: u32) {
+        self.hub.begin_run(run);
+    }
+
     /// Shows the scene. Must be called before any other state of a run is shown, and when its bodies have changed. A
-    /// new run number discards all earlier events, layers and details.
+    /// new run number begins a run.
     pub fn show_scene(&self, scene: Scene) {
         self.hub.show_scene(scene);
     }

@@ -268,8 +268,21 @@ fn events_are_kept_and_counted() {
 }
 
 #[test]
+fn events_before_the_scene_of_a_run_follow_it() {
+    let window = local();
+    window.show_scene(scene(1));
+    window.begin_run(2);
+    window.add_events(vec![event(1, "contact", 1)]);
+    let (mut page, _) = Client::hello(&window, None);
+    window.show_scene(scene(2));
+    let (scene, events) = (page.receive(), page.receive());
+    assert_eq!((&scene["run"], &events["events"][0]["number"]), (&json!(2), &json!(1)));
+}
+
+#[test]
 fn calls_go_to_pages_that_request_them() {
     let window = local();
+    window.show_scene(scene(1));
     let (mut page, _) = Client::hello(&window, None);
     page.look(Some(2), true);
     until("the look", || !window.looks().is_empty());
@@ -299,6 +312,7 @@ fn a_reconnected_page_gets_the_whole_state_again() {
 fn a_stalled_page_delays_no_other_page() {
     const LAST: u32 = 600;
     let window = local();
+    window.show_scene(scene(1));
     let (mut stalled, _) = Client::hello(&window, None);
     let (mut page, _) = Client::hello(&window, None);
     page.act(1);

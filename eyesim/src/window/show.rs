@@ -100,9 +100,10 @@ pub struct Moment<'a> {
 }
 
 impl Show {
-    /// Creates a show of which pages have received nothing yet.
+    /// Begins a run of which pages have received nothing yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
+        window.begin_run(run);
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
         let layers = ShownLayers::default();
         Self { window, run, seed, slot, spec, scenery, feed, tally, bodies, body_poses, looks, details, layers }

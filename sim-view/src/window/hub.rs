@@ -90,6 +90,13 @@ struct State {
 }
 
 impl State {
+    /// Begins a run: discards everything of the previous run.
+    fn begin_run(&mut self, run: u32) {
+        if self.run != run {
+            *self = State { run, version: self.version, build: self.build.take(), ..State::default() };
+        }
+    }
+
     fn next_version(&mut self) -> u64 {
         self.version += 1;
         self.version
@@ -128,16 +135,13 @@ impl Hub {
         self.changed.subscribe()
     }
 
+    pub(super) fn begin_run(&self, run: u32) {
+        lock(&self.state).begin_run(run);
+    }
+
     pub(super) fn show_scene(&self, scene: Scene) {
         let mut state = lock(&self.state);
-        if state.run != scene.run {
-            state.run = scene.run;
-            state.snapshot = None;
-            state.details.clear();
-            state.layers.clear();
-            state.events.clear();
-            state.dropped_count = 0;
-        }
+        state.begin_run(scene.run);
         let version = state.next_version();
         state.scene = Some((version, CachedText::new(Message::Scene(Box::new(scene)))));
         drop(state);
@@ -394,7 +398,10 @@ impl SentVersions {
         let new: Vec<_> = layers.filter(|(version, _)| *version > self.layer).collect();
         self.layer = new.iter().map(|(version, _)| *version).max().unwrap_or(self.layer);
         messages.extend(new.into_iter().map(|(_, message)| NewMessage::Message(message.clone())));
-        self.take_events(state, look, &mut messages);
+        // A page discards its events when it receives the scene of another run.
+        if state.scene.is_some() {
+            self.take_events(state, look, &mut messages);
+        }
         messages
     }
 
