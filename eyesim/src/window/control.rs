@@ -1,6 +1,5 @@
 //! Queue of the pages' requests to the thread that advances the run.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use parking_lot::{Condvar, Mutex, MutexGuard};
@@ -11,7 +10,6 @@ use sim_view::window::PendingCommand;
 /// Passes the pages' requests to the thread that advances the run, which checks for them between two slots.
 #[derive(Default)]
 pub struct Control {
-    has_new_requests: AtomicBool,
     requests: Mutex<PendingRequests>,
     new_request: Condvar,
 }
@@ -19,6 +17,8 @@ pub struct Control {
 /// Pending requests to a run.
 #[derive(Default)]
 pub struct PendingRequests {
+    /// True if something was requested since the last call of [`Control::requests`].
+    is_new: bool,
     /// True if the run must pause before the next slot.
     pub is_paused: bool,
     /// Time to which the run must advance as fast as possible, even while paused.
@@ -40,27 +40,23 @@ pub struct PendingRequests {
 impl Control {
     /// Updates the requests and wakes the thread that waits for them.
     pub fn update<T>(&self, change: impl FnOnce(&mut PendingRequests) -> T) -> T {
-        let result = change(&mut self.requests.lock());
-        self.has_new_requests.store(true, Ordering::Release);
+        let mut requests = self.requests.lock();
+        requests.is_new = true;
         self.new_request.notify_all();
-        result
-    }
-
-    /// Returns true if something was requested since the last call of [`Self::requests`].
-    fn has_new_requests(&self) -> bool {
-        self.has_new_requests.load(Ordering::Acquire)
+        change(&mut requests)
     }
 
     /// Locks the requests and marks them as seen.
     pub fn requests(&self) -> MutexGuard<'_, PendingRequests> {
-        self.has_new_requests.store(false, Ordering::Release);
-        self.requests.lock()
+        let mut requests = self.requests.lock();
+        requests.is_new = false;
+        requests
     }
 
     /// Waits for a request, at most for `timeout`.
     pub fn wait(&self, timeout: Duration) {
         let mut requests = self.requests.lock();
-        if !self.has_new_requests() {
+        if !requests.is_new {
             self.new_request.wait_for(&mut requests, timeout);
         }
     }
