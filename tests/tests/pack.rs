@@ -18,6 +18,11 @@ fn course() -> Scratch {
     let program =
         "#include \"eyebot.h\"\n#include \"lib/way.h\"\nint main() { VWStraight(WAY, 200); VWWait(); return 0; }\n";
     scratch.write("course/lab/drive.c", program);
+    scratch.write(
+        "mine/main.c",
+        "#include \"eyebot.h\"\nint way(void);\nint main() { VWStraight(way(), 200); VWWait(); return 0; }\n",
+    );
+    scratch.write("mine/way.c", "int way(void) { return 400; }\n");
     scratch.write("mine/other.c", &program.replace("#include \"lib/way.h\"\n", "").replace("WAY", "300"));
     scratch.write(
         "course/lab/lab.suite.toml",
@@ -43,8 +48,9 @@ fn elsewhere(from: &Scratch, name: &str) -> Scratch {
 #[test]
 fn a_packed_scene_has_the_same_digest_elsewhere() {
     let course = course();
-    let program = "1=mine/other.c";
-    for programs in [&[][..], &["--program", program]] {
+    // `mine/other.x` is found as `mine/other.c`.
+    let programs = ["1=mine/other.c", "1=mine/other.x", "1=mine/main.c,mine/way.c"];
+    for programs in [&[][..], &["--program", programs[0]], &["--program", programs[1]], &["--program", programs[2]]] {
         let scene = ["run", "course/lab/lab.scene.toml", "--seed", "7", "--noise", "real"];
         let there = report(&course, &[&scene, programs].concat());
         let pack = ["pack", "course/lab/lab.scene.toml", "-o", "lab.zip", "--seed", "7"];

@@ -14,7 +14,7 @@ use sim_format::{Files as _, InputFile, load_scene_with};
 use sim_host::files::{DiskFiles, read_regular, slashed, use_home};
 use sim_host::launch::settings::ProgramOption;
 use sim_host::launch::{BuiltScene, Options, Scene, check};
-use sim_host::program::find::ProgramSource;
+use sim_host::program::find::{ProgramSource, find_program};
 use sim_host::record::report::write_atomically;
 
 use super::check::with_meshes_and_images;
@@ -66,19 +66,22 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
         let options = Options { seed: args.seed, programs: args.programs.clone(), ..Options::default() };
         files.add_scene(Scene::open(&args.file, options)?)?;
     }
+    let search = check::search_path(&DiskFiles::of_environment())?;
+    let mut programs = Vec::new();
     for program in &args.programs {
-        files.add_program(Path::new(program.program()))?;
+        programs.push((program, files.add_source(&find_program(program.program(), &search)?.source)?));
     }
     let root = files.root();
     let mut pack = files.into_pack(&args.file, &BTreeMap::new())?;
     pack.manifest.seed = args.seed;
-    for program in &args.programs {
-        let path = slashed(normalized(Path::new(program.program()))?.strip_prefix(&root)?);
+    for (program, sources) in programs {
+        let path = |source: &PathBuf| anyhow::Ok(slashed(normalized(source)?.strip_prefix(&root)?));
+        let paths: Vec<String> = sources.iter().map(path).collect::<anyhow::Result<_>>()?;
         let text = program.to_string();
         let selector = text.strip_suffix(program.program()).unwrap_or_default().to_owned();
-        pack.manifest.programs.push((selector, path));
+        pack.manifest.programs.push((selector, paths.join(",")));
     }
-    let bytes = pack.to_bytes()?;
+    let bytes = pack.to_bytes().with_context(|| format!("`{}`", args.output.display()))?;
     let count = pack.files.len();
     check_self_contained(&pack)?;
     write_atomically(&args.output, &bytes).with_context(|| format!("cannot write `{}`", args.output.display()))?;
@@ -120,17 +123,22 @@ impl Collected {
         check::scripts(scene.spec()).try_for_each(|script| self.add_program(&script))?;
         let builder = scene.builder()?;
         let built = scene.build(&builder)?;
-        for source in built.sources() {
-            match source {
-                ProgramSource::Cargo(folder) => {
-                    bail!("`{}` is a Rust package: build it, and name its library", folder.display())
-                }
-                ProgramSource::Embedded(program) => bail!("`{}` is not a file", program.reference),
-                ProgramSource::Sources { files, .. } => files.iter().try_for_each(|file| self.add_program(file))?,
-                ProgramSource::Library(file) | ProgramSource::Python(file) => self.add_program(file)?,
-            }
-        }
+        built.sources().try_for_each(|source| self.add_source(source).map(drop))?;
         self.add_inputs(&built)
+    }
+
+    /// Adds a program; returns its files.
+    fn add_source(&mut self, source: &ProgramSource) -> anyhow::Result<Vec<PathBuf>> {
+        let files = match source {
+            ProgramSource::Cargo(folder) => {
+                bail!("`{}` is a Rust package: build it, and name its library", folder.display())
+            }
+            ProgramSource::Embedded(program) => bail!("`{}` is not a file", program.reference),
+            ProgramSource::Sources { files, .. } => files.clone(),
+            ProgramSource::Library(file) | ProgramSource::Python(file) => vec![file.clone()],
+        };
+        files.iter().try_for_each(|file| self.add_program(file))?;
+        Ok(files)
     }
 
     /// Adds the inputs of the built scene that are missing so far, such as files that options name.
