@@ -119,14 +119,23 @@ impl Pack {
     /// Bytes of the archive; equal contents give equal bytes.
     ///
     /// # Errors
-    /// A file is too large for the zip format, or has a name that an archive must not contain.
+    /// [`read`](Self::read) would refuse the archive: there are too many files, they are too large, or one has a name
+    /// that leads elsewhere.
     pub fn to_bytes(&self) -> Result<Vec<u8>, PackError> {
+        let manifest = serde_json::to_vec_pretty(&self.manifest)?;
+        // The manifest is an entry too.
+        if self.files.len() >= MAX_ENTRIES {
+            return Err(PackError::Entries(self.files.len() + 1));
+        }
+        if manifest.len() as u64 + self.files.values().map(|bytes| bytes.len() as u64).sum::<u64>() > MAX_BYTES {
+            return Err(PackError::Size);
+        }
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default());
         writer.start_file(MANIFEST, options)?;
-        writer.write_all(&serde_json::to_vec_pretty(&self.manifest)?)?;
+        writer.write_all(&manifest)?;
         for (name, bytes) in &self.files {
             check_path(name)?;
             writer.start_file(format!("{FILES}{name}"), options)?;
@@ -340,6 +349,18 @@ mod tests {
         writer.start_file("files/a", SimpleFileOptions::default()).expect("an entry");
         let bytes = writer.finish().expect("an archive").into_inner();
         assert!(matches!(Pack::read(&bytes), Err(PackError::NoManifest)));
+    }
+
+    #[test]
+    fn archives_that_would_be_refused_are_not_written() {
+        let mut many = pack();
+        many.files.extend((0..MAX_ENTRIES - many.files.len() - 1).map(|index| (format!("{index}"), Vec::new())));
+        assert!(Pack::read(&many.to_bytes().expect("an archive")).is_ok());
+        many.files.insert("one-more".into(), Vec::new());
+        assert!(matches!(many.to_bytes(), Err(PackError::Entries(count)) if count == MAX_ENTRIES + 1));
+        let mut large = pack();
+        large.files.insert("large".into(), vec![0; MAX_BYTES as usize]);
+        assert!(matches!(large.to_bytes(), Err(PackError::Size)));
     }
 
     #[test]
