@@ -12,7 +12,7 @@ use super::{item, pages};
 pub fn hover(document: &Document, offset: usize) -> Option<String> {
     let schema = Schema::of(document)?;
     let outline = Outline::of(&document.text);
-    let (schemas, key) = match outline.cursor(offset) {
+    let (schemas, key) = match outline.cursor(offset, &document.text) {
         CursorPosition::Header(_) => {
             let (path, key) = header_at(document, offset)?;
             (schema.table_schemas(&path), key)
@@ -44,7 +44,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
 pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
     let Some(schema) = Schema::of(document) else { return Vec::new() };
     let outline = Outline::of(&document.text);
-    match outline.cursor(offset) {
+    match outline.cursor(offset, &document.text) {
         CursorPosition::Header(before) => {
             let schemas = schema.table_schemas(&before);
             let tables = properties(&schemas).filter(|(_, property)| schema.is_table(property));

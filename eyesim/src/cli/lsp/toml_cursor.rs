@@ -25,9 +25,9 @@ pub struct TableEntry {
 /// Position of the cursor.
 #[derive(Debug, PartialEq)]
 pub enum CursorPosition<'t> {
-    /// In a header `[a.b]`: its keys without the last one.
+    /// In a header `[a.b]`: the keys before the one at the cursor.
     Header(Vec<String>),
-    /// At a key of the table, written or not: the parts of a dotted key without the last one.
+    /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
     Key(&'t Table, Vec<String>),
     /// In the value of an entry of the table.
     Value(&'t Table, &'t TableEntry),
@@ -48,13 +48,12 @@ impl Outline {
         scanner.outline
     }
 
-    /// Cursor position at the byte `offset`.
-    pub fn cursor(&self, offset: usize) -> CursorPosition<'_> {
+    /// Cursor position at the byte `offset` of `text`.
+    pub fn cursor(&self, offset: usize, text: &str) -> CursorPosition<'_> {
+        let keys_before = |keys: &[String], start: usize| keys[..text[start..offset].matches('.').count()].to_vec();
         if let Some((bytes, keys)) = self.headers.iter().find(|(bytes, _)| bytes.start < offset && offset <= bytes.end)
         {
-            let before = keys.iter().take(keys.len().saturating_sub(1)).cloned().collect();
-            debug_assert!(bytes.end >= offset);
-            return CursorPosition::Header(before);
+            return CursorPosition::Header(keys_before(keys, bytes.start));
         }
         let contains_cursor = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
         // The first table is the root, even if its body is empty; inner tables follow the outer ones.
@@ -64,7 +63,7 @@ impl Outline {
                 return CursorPosition::Value(table, entry);
             }
             if entry.key_bytes.start <= offset && offset <= entry.key_bytes.end {
-                return CursorPosition::Key(table, entry.key[..entry.key.len().saturating_sub(1)].to_vec());
+                return CursorPosition::Key(table, keys_before(&entry.key, entry.key_bytes.start));
             }
         }
         CursorPosition::Key(table, Vec::new())
@@ -254,7 +253,7 @@ mod tests {
         let offset = text.find('|').expect("a cursor");
         let text = text.replacen('|', "", 1);
         let outline = Outline::of(&text);
-        match outline.cursor(offset) {
+        match outline.cursor(offset, &text) {
             CursorPosition::Header(keys) => format!("header {}", keys.join(".")),
             CursorPosition::Key(table, keys) => format!("key of {}", [&table.path[..], &keys].concat().join(".")),
             CursorPosition::Value(table, entry) => {
@@ -274,6 +273,8 @@ mod tests {
         assert_eq!(description("[[robot]]\nx_mm = { uni| }"), "key of robot.x_mm");
         assert_eq!(description("[[robot]]\nx_mm = { uniform = [1, |2] }\n"), "value of robot.x_mm.uniform");
         assert_eq!(description("[a]\nb.c.d|"), "key of a.b.c");
+        assert_eq!(description("[a]\nb.c|.d = 1"), "key of a.b");
+        assert_eq!(description("[a|.b.c]\n"), "header ");
         assert_eq!(description("[a]\nwalls = [\n  { from_mm = [0, 0], t| },\n]\n"), "key of a.walls");
         assert_eq!(description("[a] # what = 1\nb = \"# no [x]\" \n|"), "key of a");
         assert_eq!(description("[a]\nt = \"\"\"\n[b]\nc = |\"\"\"\n"), "value of a.t");
@@ -293,7 +294,7 @@ mod tests {
     fn any_text_has_an_outline() {
         for text in ["[[[", "a={{{[[[", "=", "\"", "'''", "]]}}", "[a\n=\n=", "{", "é = { ü = [", "a = [\n[b = 1]"] {
             let outline = Outline::of(text);
-            text.char_indices().for_each(|(offset, _)| _ = outline.cursor(offset));
+            text.char_indices().for_each(|(offset, _)| _ = outline.cursor(offset, text));
         }
     }
 }
