@@ -372,6 +372,31 @@ fn replays_have_the_files_that_options_name() {
 }
 
 #[test]
+fn a_check_that_is_met_has_no_message_of_another() {
+    if tests::lacks_sandbox() {
+        return;
+    }
+    let scratch = lab();
+    let suite = scratch.read("lab/lab.suite.toml") + "points = 0\n";
+    scratch.write("lab/lab.suite.toml", &suite);
+    scratch.write("in/ana.c", &String::from_utf8(program("VWStraight(100, 200); VWWait();")).expect("a text"));
+    scratch.write("in/bob.c", &String::from_utf8(program("exit(1);")).expect("a text"));
+    grade(&scratch, &["--submissions", "in", "-o", "out"]);
+    let outputs = |name: &str| {
+        let results = result(&scratch.path().join("out/students").join(name), "");
+        ["goal", "no contact"].map(|check| {
+            let mut tests = results["tests"].as_array().expect("tests").iter();
+            let test = tests.find(|test| test["name"] == check).expect("a test of the check");
+            test["output"].as_str().expect("a text").to_owned()
+        })
+    };
+    let [goal, contact] = outputs("ana");
+    assert!(goal.contains("r1 was never within"), "{goal}");
+    assert_eq!(contact, "met in 1 of 1 cases\n");
+    assert!(outputs("bob")[1].contains("exit"), "a program that fails loses the points of all checks");
+}
+
+#[test]
 fn forbidden_calls_are_named_to_students() {
     if tests::lacks_sandbox() {
         return;
