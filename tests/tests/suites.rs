@@ -111,6 +111,11 @@ fn a_failure_tells_what_where_and_how_to_see_it() {
     // `--lf` runs only the failed cases; if there are none, it runs all.
     let ran = test(&scratch, &["0.suite.toml", "--lf"], 1);
     assert!(ran.stdout.contains("collected 16 cases / 15 deselected / 1 selected"), "{ran:#?}");
+    // A failure that is not selected stays remembered, and a suite without failures does not run beside one with some.
+    scratch.write("1.suite.toml", &scratch.read("0.suite.toml").replace("within_mm = 4", "within_mm = 400"));
+    test(&scratch, &["0.suite.toml", "1.suite.toml", "-k", "none and seed=1"], 0);
+    let ran = test(&scratch, &["0.suite.toml", "1.suite.toml", "--lf"], 1);
+    assert!(ran.stdout.contains("collected 32 cases of 2 suites / 31 deselected / 1 selected"), "{ran:#?}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ pub(super) mod page;
 mod picture;
 pub(super) mod screen;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ pub struct TestArgs {
     /// Stop after the first case that fails
     #[arg(short = 'x', long)]
     pub exitfirst: bool,
-    /// Only the cases that failed the last time; all if none did
+    /// Only the cases that failed the last time that they ran; all if none did
     #[arg(long, alias = "last-failed")]
     pub lf: bool,
     /// Number of cases that run at the same time [default: one for each processor]
@@ -288,19 +288,24 @@ pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
     bail!("`{}` is not a suite: it has no `[suite]`", path.display());
 }
 
-/// Indices of the selected cases of each suite.
+/// Indices of the selected cases of each suite. With `last_failed`, only failed cases are selected, if there are any.
 fn select(runs: &[SuiteRun], selection: Option<&Selection>, last_failed: Option<&LastFailed>) -> Vec<Vec<usize>> {
-    let selected_cases = |run: &SuiteRun| {
-        let failed = last_failed.map(|last| last.cases(run.name())).unwrap_or_default();
-        let is_selected = |case: &Case| {
-            let name = format!("{}::{}", run.name(), case.name);
-            selection.is_none_or(|selection| selection.matches(&name))
-                && (failed.is_empty() || failed.contains(&case.name))
-        };
-        let indexed = run.cases.iter().enumerate();
-        indexed.filter(|(_, case)| is_selected(case)).map(|(index, _)| index).collect()
+    let indices = |run: &SuiteRun, is_selected: &dyn Fn(&Case) -> bool| -> Vec<usize> {
+        (0..run.cases.len()).filter(|index| is_selected(&run.cases[*index])).collect()
     };
-    runs.iter().map(selected_cases).collect()
+    let failed_cases = |run: &SuiteRun| {
+        let failed = last_failed.map(|last| last.cases(run.name())).unwrap_or_default();
+        indices(run, &|case| failed.contains(&case.name))
+    };
+    let mut selected: Vec<Vec<usize>> = runs.iter().map(failed_cases).collect();
+    if selected.iter().all(Vec::is_empty) {
+        selected = runs.iter().map(|run| indices(run, &|_| true)).collect();
+    }
+    for (run, selected) in runs.iter().zip(&mut selected) {
+        let name = |index: usize| format!("{}::{}", run.name(), run.cases[index].name);
+        selected.retain(|index| selection.is_none_or(|selection| selection.matches(&name(*index))));
+    }
+    selected
 }
 
 /// Files with the names of the cases that failed the last time, in the folder of built programs; `None` if there is no
@@ -318,16 +323,22 @@ impl LastFailed {
         Some(self.0.as_ref()?.join(format!("{}.json", &name[..32])))
     }
 
-    fn cases(&self, suite: &str) -> Vec<String> {
+    fn cases(&self, suite: &str) -> BTreeSet<String> {
         let read = || serde_json::from_slice(&std::fs::read(self.file(suite)?).ok()?).ok();
         read().unwrap_or_default()
     }
 
-    /// Saves the names of the failed cases of the suites that were run. If they cannot be written, the next `--lf` runs
-    /// all cases.
+    /// Saves the names of the failed cases of the suites that were run; cases that were not run keep their verdicts. If
+    /// the names cannot be written, the next `--lf` runs all cases.
     fn save(&self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| !run.results.is_empty()) {
-            let names: Vec<&str> = run.failures().map(|result| result.row.case.as_str()).collect();
+            let previous = self.cases(run.name());
+            let is_failed = |(index, case): &(usize, &Case)| match run.results.get(index) {
+                Some(result) => result.row.outcome != RowOutcome::Passed,
+                None => previous.contains(&case.name),
+            };
+            let failed = run.cases.iter().enumerate().filter(is_failed);
+            let names: Vec<&str> = failed.map(|(_, case)| case.name.as_str()).collect();
             if let (Some(file), Ok(bytes)) = (self.file(run.name()), serde_json::to_vec(&names)) {
                 _ = write_atomically(&file, &bytes);
             }
