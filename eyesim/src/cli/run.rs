@@ -394,7 +394,7 @@ pub fn forbidden_calls(calls: &BTreeMap<String, u64>) -> String {
 /// except those that only concern output, and `--at` with the time one second before the failure.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
-    const OUTPUT: [&str; 10] = [
+    const OUTPUT: [&str; 12] = [
         "--report",
         "--trace",
         "--trace-only",
@@ -402,11 +402,13 @@ fn view_command(report: &Report) -> Option<String> {
         "--plot",
         "--frames",
         "--only",
+        "--robot",
         "--quiet",
         "-q",
         "--verbose",
+        "-v",
     ];
-    const WITH_VALUE_COUNT: usize = 7;
+    const WITH_VALUE_COUNT: usize = 8;
     let failure_time =
         report.checks.iter().filter(|check| !check.passed).filter_map(|check| check.at_s).min_by(f64::total_cmp)?;
     let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);
