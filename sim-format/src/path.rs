@@ -127,7 +127,7 @@ pub(super) fn is_from_installation(text: &str, folder: &str, found: &str, home: 
 }
 
 /// The path with another extension: `robis/S4.robi` with `toml` is `robis/S4.toml`.
-pub(super) fn with_extension(path: &str, extension: &str) -> String {
+pub fn with_extension(path: &str, extension: &str) -> String {
     let path = without_txt(path);
     format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
 }

@@ -176,6 +176,11 @@ fn words_complete_are_explained_and_lead_to_their_files() {
     let mut editor = Editor::start(&[("a.wld", WORLD), ("drive.c", "")], &json!(null));
     editor.open("x.sim", SIM);
     editor.open("x.scene.toml", scene);
+    // Mail programs add `.txt`.
+    editor.open("y.sim.txt", "wrld a.wld\n");
+    assert_ne!(editor.diagnostics_of("y.sim.txt"), Vec::<Value>::new());
+    editor.open("y.scene.toml.txt", scene);
+    assert_eq!(editor.labels("y.scene.toml.txt", 5, 0), editor.labels("x.scene.toml", 5, 0));
     let first = editor.labels("x.sim", 0, 2);
     assert!(first.iter().any(|label| label == "world") && first.iter().any(|label| label == "LabBot"), "{first:?}");
     let files = editor.labels("x.sim", 0, 8);

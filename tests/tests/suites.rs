@@ -328,6 +328,12 @@ fn scenes_and_suites_name_each_others_commands() {
     assert!(ran.code == Some(2) && ran.stderr.contains("is a suite: `eyesim test 0.suite.toml` runs it"), "{ran:#?}");
     let ran = scratch.eyesim(&["test", "room.scene.toml"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("is a scene: `eyesim run room.scene.toml` runs it"), "{ran:#?}");
+    // Mail programs add `.txt`.
+    scratch.write("a.sim.txt", "world %sim%/worlds/empty.wld\n");
+    for args in [&["a.sim.txt"][..], &["test", "a.sim.txt"]] {
+        let ran = scratch.eyesim(args);
+        assert!(ran.code == Some(2) && ran.stderr.contains("`eyesim run a.sim.txt`"), "{ran:#?}");
+    }
 }
 
 #[test]

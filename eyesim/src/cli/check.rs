@@ -17,7 +17,7 @@ use sim_host::program::Generation;
 use sim_host::program::language::Language;
 
 use sim_format::map::{WORLD_EXTENSIONS, load_scenarios};
-use sim_format::path::extension;
+use sim_format::path::{extension, with_extension};
 use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
 
 use super::cc::parse_api;
@@ -126,7 +126,6 @@ pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find
 }
 
 fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     match extension(name).as_str() {
         "sim" => check_sim(name, overrides, files, find_program),
         "scen" => load_scenarios(name, files).1,
@@ -142,7 +141,7 @@ fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
         "toml" if is_suite_file(name, files) => check_suite(name, files),
         "toml" if is_scene(name, files) => check_sim(name, overrides, files, find_program),
         "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
-        "toml" => check_robi(&format!("{stem}.robi"), files),
+        "toml" => check_robi(&with_extension(name, "robi"), files),
         _ => {
             let diagnostic = match files.read(name) {
                 Err(FileError::Missing) => on_file(Code::FileMissing, name, "no such file", "a file that can be read"),

@@ -10,7 +10,9 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use output::say;
+use sim_format::path::extension;
 use sim_host::executive::{interrupt, stack_limit};
+use sim_host::files::slashed;
 use sim_host::program::command;
 
 #[cfg(not(all(feature = "accuracy", feature = "grading", feature = "lsp", feature = "window")))]
@@ -229,8 +231,7 @@ fn whole_number(text: &str) -> Result<u64, String> {
 /// The command `eyesim run SCENE`, if the first argument is a scene instead of a subcommand.
 fn run_command_for_scene(words: &[OsString]) -> Option<String> {
     let scene = Path::new(words.get(1)?);
-    let is_scene =
-        scene.is_file() && scene.extension().is_some_and(|extension| extension == "sim" || extension == "toml");
+    let is_scene = scene.is_file() && ["sim", "toml"].contains(&extension(&slashed(scene)).as_str());
     is_scene.then(|| format!("eyesim run {}", scene.display()))
 }
 

@@ -16,6 +16,7 @@ use anyhow::{Context as _, bail, ensure};
 use clap::Args;
 use screen::Console;
 use serde::Serialize;
+use sim_format::path::extension;
 use sim_format::suite::is_suite;
 use sim_host::executive::interrupt;
 use sim_host::files::{read_regular, slashed};
@@ -281,8 +282,7 @@ pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
     if is_suite(&slashed(path), &text) {
         return Ok(());
     }
-    let is_sim = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sim"));
-    if is_sim || sim_format::is_scene(&slashed(path), &text) {
+    if extension(&slashed(path)) == "sim" || sim_format::is_scene(&slashed(path), &text) {
         bail!("`{0}` is a scene: `eyesim run {0}` runs it; a suite names it", path.display());
     }
     bail!("`{}` is not a suite: it has no `[suite]`", path.display());

@@ -78,18 +78,15 @@ impl Documents {
     /// TOML file is included if it is a scene, a suite or a noise profile, or a companion file, that is, if a `.robi`
     /// file of the same name is beside it.
     pub fn checkable(&self) -> Vec<String> {
-        let is_own_format = |name: &&str| {
-            let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-            match extension.to_lowercase().as_str() {
-                "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" | "num" | "scen" => true,
-                "toml" => {
-                    is_scene(name, &self.files)
-                        || is_suite_file(name, &self.files)
-                        || is_noise(name, &self.files)
-                        || self.files.read(&format!("{stem}.robi")).is_ok()
-                }
-                _ => false,
+        let is_own_format = |name: &&str| match path::extension(name).as_str() {
+            "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" | "num" | "scen" => true,
+            "toml" => {
+                is_scene(name, &self.files)
+                    || is_suite_file(name, &self.files)
+                    || is_noise(name, &self.files)
+                    || self.files.read(&path::with_extension(name, "robi")).is_ok()
             }
+            _ => false,
         };
         self.names().filter(is_own_format).map(str::to_owned).collect()
     }
@@ -135,7 +132,7 @@ pub struct Document {
 impl Document {
     /// Returns true for a TOML file.
     pub fn is_toml(&self) -> bool {
-        self.name.to_lowercase().ends_with(".toml")
+        path::extension(&self.name) == "toml"
     }
 
     /// Byte offset of a position; a position beyond the end of its line or of the text counts as that end.
