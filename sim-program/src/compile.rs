@@ -445,7 +445,7 @@ impl<'a> Compilation<'a> {
         }
         let inline_flag = variant.inline_rule.compile_flag().filter(|_| compiler.language() == Language::C);
         command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG));
-        command.args(self.extra_flags.iter().filter(|flag| !is_link_flag(flag)));
+        command.args(split_flags(self.extra_flags).0);
         for header in headers {
             command.arg("-include").arg(header);
         }
@@ -505,11 +505,7 @@ impl<'a> Compilation<'a> {
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
         command.args(inline_rule.link_flag()).args(objects);
-        command
-            .args(self.extra_flags.iter().filter(|flag| is_link_flag(flag)))
-            .args(c::LIBRARIES)
-            .arg("-o")
-            .arg(&compiled.library);
+        command.args(split_flags(self.extra_flags).1).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
         let output = self
             .execute(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Unlinked { output })?;
@@ -580,9 +576,21 @@ impl CompileVariant<'_> {
     }
 }
 
-/// Returns true for a flag of the linker: `-lfann`, `-L/opt/lib`, `-Wl,...`.
-fn is_link_flag(flag: &str) -> bool {
-    ["-l", "-L", "-Wl,"].iter().any(|beginning| flag.starts_with(beginning))
+/// The flags of the commands that compile, and those of the command that links: `-lfann`, `-L/opt/lib` (or `-L` and
+/// `/opt/lib`), `-Wl,...`. `-pthread` and `-fopenmp` are flags of both.
+pub(super) fn split_flags(flags: &[String]) -> (Vec<&String>, Vec<&String>) {
+    let (mut of_compile, mut of_link, mut is_value) = (Vec::new(), Vec::new(), false);
+    for flag in flags {
+        let is_of_link = is_value || ["-l", "-L", "-Wl,"].iter().any(|beginning| flag.starts_with(beginning));
+        is_value = !is_value && ["-l", "-L"].contains(&flag.as_str());
+        if is_of_link || ["-pthread", "-fopenmp"].contains(&flag.as_str()) {
+            of_link.push(flag);
+        }
+        if !is_of_link {
+            of_compile.push(flag);
+        }
+    }
+    (of_compile, of_link)
 }
 
 /// The first lines of a compiler's messages: a source that is not a text file causes thousands of lines.

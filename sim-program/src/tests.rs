@@ -9,7 +9,7 @@ use robios_sys::{ABI_VERSION, CallContext, Robios6, Robios7, Support, c};
 
 use super::build::{BuildError, Builder, BuiltProgram, Tools};
 use super::cache::Cache;
-use super::compile::{CompileError, Kits, ShimKit};
+use super::compile::{CompileError, Kits, ShimKit, split_flags};
 use super::compiler::{Compiler, CompilerError};
 use super::find::Found;
 use super::find::ProgramSource;
@@ -259,8 +259,19 @@ fn libraries_of_the_system_are_linked() {
     cc.args(["-shared", "-fPIC", "answer.c", "-o", "libanswer.so"]).current_dir(&folder);
     assert!(cc.status().is_ok_and(|status| status.success()));
     let folder = folder.display();
-    test_folder.tools.cflags = Some(format!("-DONE -L{folder} -lanswer -Wl,-rpath,{folder}"));
-    assert_eq!(run(&test_folder.loaded(&["main.c"])), 42);
+    for flags in ["-L{folder} -lanswer", "-L {folder} -l answer"] {
+        let flags = flags.replace("{folder}", &folder.to_string());
+        test_folder.tools.cflags = Some(format!("-DONE {flags} -Wl,-rpath,{folder}"));
+        assert_eq!(run(&test_folder.loaded(&["main.c"])), 42, "{flags}");
+    }
+}
+
+#[test]
+fn flags_are_those_of_compilers_or_of_the_link_or_of_both() {
+    let flags = ["-DONE", "-fopenmp", "-L", "/opt", "-lm", "-I", "/opt"].map(str::to_owned);
+    let (of_compile, of_link) = split_flags(&flags);
+    assert_eq!(of_compile, ["-DONE", "-fopenmp", "-I", "/opt"]);
+    assert_eq!(of_link, ["-fopenmp", "-L", "/opt", "-lm"]);
 }
 
 #[test]
