@@ -51,7 +51,8 @@ fn file_beside(path: &Path) -> Option<FileBeside> {
     let code = code_only(&text);
     definitions.extend(code.lines().filter_map(defined_variable).map(str::to_owned));
     let statics = code.lines().filter(|line| line.trim_start().starts_with("static "));
-    let hidden: BTreeSet<&str> = statics.flat_map(|line| line.split(|c| !is_name(c))).collect();
+    let declared = statics.filter_map(|line| line.split(['=', '(']).next());
+    let hidden: BTreeSet<&str> = declared.flat_map(|line| line.split(|c| !is_name(c))).collect();
     definitions.retain(|name| !hidden.contains(name.as_str()));
     Some(FileBeside { name, is_program: definitions.contains("main"), definitions })
 }
@@ -62,7 +63,10 @@ fn defined_variable(line: &str) -> Option<&str> {
     let is_declaration = line.starts_with(|letter: char| letter.is_alphabetic()) && line.contains(['=', ';', '[']);
     let is_other = ["extern", "static", "typedef", "return", "using", "goto"].contains(&head.split(' ').next()?);
     let name = head.rsplit([' ', '*', '&']).next()?;
-    (is_declaration && !is_other && !head.contains(['(', ')', '{', '}', ':']) && head != name).then_some(name)
+    let mut words = head.split_whitespace();
+    let is_type = ["struct", "union", "enum", "class"].contains(&words.next()?) && words.count() == 1;
+    (is_declaration && !is_other && !is_type && !head.contains(['(', ')', '{', '}', ':']) && head != name)
+        .then_some(name)
 }
 
 #[cfg(test)]
@@ -77,7 +81,7 @@ mod tests {
         write(
             "map.c",
             "#include \"map.h\"\nextern int other;\nint count = 1, map[3];\nchar *names[4];\nint plan(void)\n{ int inner; return 1; }\n\
-             static int hidden(void) { return 2; }\n",
+             static int hidden(void) { return 2; }\nstatic int once(void) { return plan(); }\nstruct type;\nstruct type *value;\n",
         );
         write("own.cpp", "int main() {}\nvoid draw() {}\n");
         write("notes.txt", "int draw(void) {}\n");
@@ -85,10 +89,11 @@ mod tests {
         let files = files_beside(&[&main]);
         let names: Vec<(&str, bool)> = files.iter().map(|file| (file.name.as_str(), file.is_program)).collect();
         assert_eq!(names, [("map.c", false), ("own.cpp", true)]);
-        for (name, is_defined) in
-            [("plan", true), ("count", true), ("names", true), ("hidden", false), ("other", false), ("inner", false)]
-        {
-            assert_eq!(files[0].defines(name), is_defined, "{name}");
+        for name in ["plan", "count", "names", "value"] {
+            assert!(files[0].defines(name), "{name}");
+        }
+        for name in ["hidden", "other", "inner", "type"] {
+            assert!(!files[0].defines(name), "{name}");
         }
         assert!(files[1].defines("draw"));
     }
