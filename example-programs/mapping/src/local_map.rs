@@ -62,13 +62,13 @@ impl LocalMap {
     /// Lowers the ground in front of a sonar whose line of sight is about level. A surface higher than `height` m and
     /// nearer than `distance` m, within `half_angle` rad on both sides of the line of sight, would have caused an echo.
     /// So each cell there with a higher estimate gets `height` as a reading, weighted by the squared beam gain (there
-    /// and back).
+    /// and back); cells that the beam does not reach stay as they are.
     ///
     /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi
     /// and Venditelli 1999); Gois and Hiller use readings only as evidence of occupied points.
     ///
     /// # Panics
-    /// If a number is not finite, or a cell to be lowered is more than a right angle off the line of sight.
+    /// If a number is not finite.
     pub fn clear(&mut self, sonar: &SonarPose, distance: f64, half_angle: f64, height: f64) {
         let partition = *self.tsk.partition();
         let yaw = math::atan2(sonar.axis.y, sonar.axis.x);
@@ -83,10 +83,11 @@ impl LocalMap {
             if off_axis_angle > half_angle || math::hypot(dx, dy) > free_distance {
                 continue;
             }
-            if self.tsk.height(x, y).is_some_and(|estimate| estimate > height) {
-                let gain = self.model.membership_of_alpha(off_axis_angle);
+            let gain = self.model.membership_of_alpha(off_axis_angle);
+            let weight = gain * gain;
+            if weight >= f64::MIN_POSITIVE && self.tsk.height(x, y).is_some_and(|estimate| estimate > height) {
                 let activation = Activation { cell_index: index, slot, weight: 1.0, x, y, height };
-                self.tsk.add_height(&activation, gain * gain);
+                self.tsk.add_height(&activation, weight);
             }
         }
     }
@@ -169,6 +170,9 @@ mod tests {
             map.clear(&ahead, 5.0, 0.3, 0.3);
         }
         assert!(heights(&map).0 < 0.4 && heights(&map).1 > 0.5, "{:?}", heights(&map));
+        let away = SonarPose::new(Vector3::new(4.0, 3.25, 1.2), 0.0, 0.3);
+        map.clear(&away, 5.0, 4.0, 0.3);
+        assert!(heights(&map).1 > 0.5, "behind the sonar");
     }
 
     /// A level sonar raises the map at its echo and not in front of it.
