@@ -130,7 +130,8 @@ impl Mistake {
             }
             Self::Metres => "a drive of less than 5 mm at less than 5 mm/s: RoBIOS-7 takes millimetres, not metres",
             Self::Radians => {
-                "all turns are by a few degrees at a few degrees/s: RoBIOS-7 takes degrees, not radians: a quarter turn is `VWTurn(90, 45)`"
+                "all turns so far are small and slow (a few degrees, a few degrees/s): RoBIOS-7 takes degrees, not radians: \
+                 a quarter turn is `VWTurn(90, 45)`"
             }
             Self::NoLength => {
                 "a drive of 0 m goes nowhere; in C, whole numbers divided give a whole number: 1/2 is 0, 1.0/2 is 0.5"
