@@ -313,8 +313,10 @@ impl Child {
         }
         let number = tasks.count + 1;
         let channel = self.channels.grow_to(number + 1).and_then(|()| self.channels.map(number));
-        let channel =
-            channel.map_err(|error| self.lose(self.failure(&format!("no room for another task: {error}"))))?;
+        let channel = channel.map_err(|error| {
+            let hint = if error.kind() == io::ErrorKind::FileTooLarge { ", see `ulimit -f`" } else { "" };
+            self.lose(self.failure(&format!("no room for another task{hint}: {error}")))
+        })?;
         tasks.count = number;
         drop(tasks);
         channel.set_up();
