@@ -154,7 +154,7 @@ fn commands_are_answered_by_their_numbers() {
     first.accept();
     assert_eq!(page.receive_answer(), (1, None));
     drop(third);
-    assert_eq!(page.receive_answer(), (3, Some("the run took no more commands".into())));
+    assert_eq!(page.receive_answer(), (3, Some("the run accepts no more commands".into())));
 }
 
 #[test]

@@ -311,7 +311,7 @@ fn a_line_typed_in_the_page_reaches_the_program_and_is_repeated() {
     // The program also reads the rest of its line: a blank, two bytes and the line's end.
     page.until("what was read", |page| page.lcd_text.iter().any(|line| line.contains("Ada 100 4")));
     assert!(page.act(line(1, "x")).is_some_and(|why| why.contains("runs no program")));
-    assert!(page.events.iter().any(|event| event.text == "a hand types `Ada` to r1"));
+    assert!(page.events.iter().any(|event| event.text == "the user types `Ada` to r1"));
     assert_eq!(page.act(Action::End {}), None);
     page.until("the end of the run", |page| page.digest().is_some());
     scratch.write("t.jsonl", &String::from_utf8(served.get("/files/trace.jsonl")).expect("text"));

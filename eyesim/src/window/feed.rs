@@ -228,7 +228,7 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
     let text = |name| fields.text(name);
     let number = |name| fields.number(name);
     match kind {
-        "program_started" if fields.0["program"] == "" => "stands there without a program".to_owned(),
+        "program_started" if fields.0["program"] == "" => "has no program".to_owned(),
         "program_started" => format!("`{}` begins", text("program")),
         "program_ended" => match fields.0["exit_code"].as_i64() {
             Some(code) => format!("its program ends: {}, exit code {code}", text("outcome")),
@@ -240,12 +240,12 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
             format!("touches {} with its {} at {position}", fields.obstacle(), text("part"))
         }
         "drive_straight" => {
-            format!("is to drive {:.3} m straight at {:.3} m/s", number("distance_m"), number("v_m_per_s"))
+            format!("starts a drive of {:.3} m straight at {:.3} m/s", number("distance_m"), number("v_m_per_s"))
         }
-        "drive_turn" => format!("is to turn by {:.1} degrees", fields.degrees("angle_rad")),
+        "drive_turn" => format!("starts a turn of {:.1} degrees", fields.degrees("angle_rad")),
         "drive_curve" => {
             let (distance, angle) = (number("distance_m"), fields.degrees("angle_rad"));
-            format!("is to drive {distance:.3} m on a curve of {angle:.1} degrees")
+            format!("starts a drive of {distance:.3} m on a curve of {angle:.1} degrees")
         }
         "set_odometry" => {
             format!("sets its odometry to {}, {:.1} degrees", fields.position_text(), fields.degrees("phi_rad"))
@@ -289,23 +289,23 @@ fn intervention(action: &serde_json::Value) -> String {
     let fields = Fields(action);
     let number = |name| fields.number(name);
     match action["do"].as_str().unwrap_or_default() {
-        "press" => format!("a hand presses {} of r{}", fields.text("key"), number("robot")),
-        "type" => format!("a hand types `{}` to r{}", fields.text("line"), number("robot")),
-        "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.position_text()),
-        "place_object" => format!("a hand puts object {} at {}", number("object"), fields.position_text()),
+        "press" => format!("the user presses {} of r{}", fields.text("key"), number("robot")),
+        "type" => format!("the user types `{}` to r{}", fields.text("line"), number("robot")),
+        "place_robot" => format!("the user puts r{} at {}", number("robot"), fields.position_text()),
+        "place_object" => format!("the user puts object {} at {}", number("object"), fields.position_text()),
         "set_noise" => {
             let robots = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
-            format!("a hand sets {} of {robots} to {}", fields.text("parameter"), number("value"))
+            format!("the user sets {} of {robots} to {}", fields.text("parameter"), number("value"))
         }
         "switch_sensor" => {
             let state = if action["on"] == true { "on" } else { "off" };
-            format!("a hand switches {} of r{} {state}", fields.text("sensor"), number("robot"))
+            format!("the user switches {} of r{} {state}", fields.text("sensor"), number("robot"))
         }
-        "add_robot" => format!("a hand adds a {} at {}", fields.text("kind"), fields.position_text()),
-        "remove_robot" => format!("a hand takes r{} away", number("robot")),
-        "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.position_text()),
-        "remove_object" => format!("a hand takes object {} away", number("object")),
-        "end" => "a hand ends the run".to_owned(),
+        "add_robot" => format!("the user adds a {} at {}", fields.text("kind"), fields.position_text()),
+        "remove_robot" => format!("the user removes r{}", number("robot")),
+        "add_object" => format!("the user adds a {} at {}", fields.text("kind"), fields.position_text()),
+        "remove_object" => format!("the user removes object {}", number("object")),
+        "end" => "the user ends the run".to_owned(),
         "fault" => format!("fault `{}`: {}", fields.text("name"), fault(&action["action"])),
         other => describe_fields(other, action),
     }
@@ -317,9 +317,9 @@ fn fault(action: &serde_json::Value) -> String {
     let robot = fields.number("robot");
     let is_on = action["on"] == true;
     match action["do"].as_str().unwrap_or_default() {
-        "halt_robot" => format!("r{robot} dies"),
+        "halt_robot" => format!("r{robot} halts"),
         "switch_sensor" => {
-            format!("{} of r{robot} {}", fields.text("sensor"), if is_on { "works again" } else { "sees nothing" })
+            format!("{} of r{robot} {}", fields.text("sensor"), if is_on { "works again" } else { "is off" })
         }
         "stick_sensor" => {
             format!("{} of r{robot} {}", fields.text("sensor"), if is_on { "sticks" } else { "works again" })
@@ -388,7 +388,7 @@ mod tests {
         let sent = Event::RadioSent { message: 4, to: None, begins_s: None, data: &[1, 2] };
         assert_eq!(description(sent), "sends message 4 to all, 2 bytes");
         let press = ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#);
-        assert_eq!(description(Event::Intervention { action: press }), "a hand presses KEY1 of r1");
+        assert_eq!(description(Event::Intervention { action: press }), "the user presses KEY1 of r1");
         assert_eq!(description(Event::Call { function: "OSWait", arguments: "5", result: "" }), "OSWait(5)");
     }
 

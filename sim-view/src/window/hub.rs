@@ -288,7 +288,7 @@ impl PendingCommand {
 
 impl Drop for PendingCommand {
     fn drop(&mut self) {
-        self.answer(Some("the run took no more commands".into()));
+        self.answer(Some("the run accepts no more commands".into()));
     }
 }
 

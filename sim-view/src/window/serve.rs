@@ -252,7 +252,8 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     // Some downloads are large: only a few are generated at a time, and the permit is held even if the client has
     // disconnected.
     let Ok(permit) = Arc::clone(&server.generation_permits).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
+        return (StatusCode::SERVICE_UNAVAILABLE, "other downloads are being generated: try again in a moment")
+            .into_response();
     };
     let content = tokio::task::spawn_blocking(move || {
         let content = content();
