@@ -56,7 +56,7 @@ fn one_bit_of_one_reading_is_named() {
     scratch.write("b.jsonl", &text.replacen(line, &line.replace(&old, &new), 1));
     let ran = diff(&scratch, "a.jsonl", "b.jsonl");
     assert_eq!(ran.code, Some(1), "{ran:#?}");
-    let at = format!("the runs part at {:.6} s, ", event["t_s"].as_f64().expect("a time"));
+    let at = format!("the runs diverge at {:.6} s, ", event["t_s"].as_f64().expect("a time"));
     for part in [&at, ": r2\n", "`distance` differs in\n", &format!("distance_m: {value:?} in A, {changed:?} in B\n")] {
         assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
     }
@@ -71,7 +71,7 @@ fn runs_that_diverge_are_reported_with_their_cause_and_drawn() {
     let ran = scratch.eyesim(&["diff", "a.jsonl", "b.jsonl", "--plot", "paths.svg"]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     assert!(ran.stdout.starts_with("seed: 0 in A, 7 in B\n"), "{}", ran.stdout);
-    assert!(ran.stdout.contains("the runs part at ") && ran.stdout.contains(" apart, at "), "{}", ran.stdout);
+    assert!(ran.stdout.contains("the runs diverge at ") && ran.stdout.contains(" apart, at "), "{}", ran.stdout);
     assert!(scratch.read("paths.svg").contains("A: r3"));
     let reports = diff(&scratch, "a.json", "b.json");
     assert_eq!(reports.code, Some(1), "{reports:#?}");

@@ -392,7 +392,7 @@ fn runs_that_diverge_are_distinguished_by_the_first_slot() {
     scratch.write("without.jsonl", &without);
     let ran = verify(&scratch, "without.jsonl", &[]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
-    assert!(ran.stdout.starts_with("the runs part in the slot that ends at 1.02"), "{ran:#?}");
+    assert!(ran.stdout.starts_with("the runs diverge in the slot that ends at 1.02"), "{ran:#?}");
 
     // Only the existing part of a truncated trace is compared.
     let half = &trace[..trace.len() / 2];
@@ -427,7 +427,7 @@ fn runs_that_diverge_are_distinguished_by_the_first_slot() {
     std::fs::remove_file(scratch.path().join("scene.sim")).expect("it was there");
     let ran = verify(&scratch, "trace.jsonl", &[]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
-    assert!(ran.stderr.contains("there is no `scene.sim`, of which the trace is"), "{ran:#?}");
+    assert!(ran.stderr.contains("there is no `scene.sim`, the scene of this trace"), "{ran:#?}");
 }
 
 #[test]
@@ -450,7 +450,7 @@ fn a_file_that_is_not_a_trace_is_reported_before_anything_runs() {
     write_hand(&scratch, "hand.jsonl", &[]);
     let ran = verify(&scratch, "hand.jsonl", &[]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
-    assert!(ran.stderr.contains("does not say how it is run again"), "{ran:#?}");
+    assert!(ran.stderr.contains("has no arguments to repeat the run"), "{ran:#?}");
     let ran = scratch.eyesim(&["run", "scene.sim", "--repeat", "hand.jsonl", "--trace", "hand.jsonl"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("would overwrite"), "{ran:#?}");

@@ -160,7 +160,7 @@ fn a_program_that_writes_into_the_pool_s_connection_is_an_error_of_its_case() {
         for row in rows(&scratch, "r.json") {
             assert_eq!(row["outcome"], "error", "{row:#}");
             let message = row["message"].as_str().expect("a message");
-            assert!(message.contains("gave something else than a result"), "{message}\n{ran:#?}");
+            assert!(message.contains("sent an invalid result"), "{message}\n{ran:#?}");
         }
     }
 }

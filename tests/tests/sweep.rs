@@ -179,7 +179,7 @@ fn kill_9_and_a_torn_line_lose_nothing() {
     let file = fs::File::options().write(true).open(&path).expect("the file");
     file.set_len(fs::metadata(&path).expect("the file").len() - 40).expect("a shorter file");
     let ran = into(&scratch, "out", &[]);
-    assert_eq!(ran.stderr.matches("the last line was not whole").count(), 1, "{ran:#?}");
+    assert_eq!(ran.stderr.matches("the last line was incomplete").count(), 1, "{ran:#?}");
     assert!(ran.stderr.contains(&format!("of {cases} cases have their rows already")), "{ran:#?}");
     assert_eq!(merged(&scratch, "out"), merged(&scratch, "whole"));
     let lines = scratch.read(&file_of("out")).lines().count();
@@ -271,8 +271,8 @@ fn malformed_files_are_reported() {
     lines[2] = &lines[2][..100];
     reports(&(lines.join("\n") + "\n"), ":3:100: EOF while parsing");
     reports(&good.replace(env!("CARGO_PKG_VERSION"), "0.0.1"), "the rows are of eyesim 0.0.1");
-    reports("milk, bread\n", ":1:1: the file does not begin as one of a sweep");
-    reports("milk, bread", ":1:1: the file does not begin as one of a sweep");
+    reports("milk, bread\n", ":1:1: the file does not begin with a sweep header");
+    reports("milk, bread", ":1:1: the file does not begin with a sweep header");
     reports(&good.replace("\"schema\":1", "\"schema\":2"), "the row is of schema 2, not 1");
     reports(&good.replace("\"outcome\":\"passed\"", "\"outcome\":\"splendid\""), "unknown variant `splendid`");
     // An edited key differs from the key of the case.
@@ -280,7 +280,7 @@ fn malformed_files_are_reported() {
     assert!(sweep(&scratch, &["a.suite.toml", "-o", "out"], 2).stderr.contains("is not of this suite"));
     // A truncated first line.
     scratch.write(&file_of("out"), "{\"swe");
-    assert!(into(&scratch, "out", &[]).stderr.contains("the last line was not whole"));
+    assert!(into(&scratch, "out", &[]).stderr.contains("the last line was incomplete"));
     assert_eq!(scratch.read(&file_of("out")).lines().count(), 5);
 }
 

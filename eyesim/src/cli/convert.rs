@@ -85,7 +85,7 @@ fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
         }
         // Devices such as /dev/stdout take any number of outputs.
         if !force && !canonical.starts_with("/dev") && canonical.is_file() {
-            bail!("`{}` is there already: --force replaces it", output.path);
+            bail!("`{}` exists already: --force replaces it", output.path);
         }
     }
     Ok(())

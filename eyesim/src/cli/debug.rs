@@ -80,7 +80,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     let (robot, program) = choose_robot(args)?;
     let name = program.to_ascii_lowercase();
     if name.ends_with(".py") || name.ends_with(".py.txt") {
-        bail!("`{program}` is a Python program, of which gdb knows nothing: `print` tells of it at its virtual time");
+        bail!("`{program}` is a Python program, which gdb cannot debug: use `print`");
     }
     let mut breakpoints = args.breakpoints.clone();
     if breakpoints.is_empty() {

@@ -183,7 +183,7 @@ fn describe_first(text: &mut String, first: &Difference) -> std::fmt::Result {
     let subject = first.robot.map_or("the world".to_owned(), |robot| format!("r{robot}"));
     writeln!(
         text,
-        "the runs part at {:.6} s, in the slot that ends at {}: {subject}",
+        "the runs diverge at {:.6} s, in the slot that ends at {}: {subject}",
         first.at.seconds(),
         first.slot_end
     )?;

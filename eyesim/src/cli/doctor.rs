@@ -109,7 +109,7 @@ fn render(findings: &[Finding]) -> String {
             Answer::Missing => writeln!(text, "missing  {subject:13} for {purpose}\n         {:13} {remedy}", ""),
             Answer::Silent(timeout) => writeln!(
                 text,
-                "slow     {subject:13} for {purpose}\n         {:13} it did not answer in {} s: ask again when less runs",
+                "slow     {subject:13} for {purpose}\n         {:13} it did not answer in {} s: try again when the machine is less busy",
                 "",
                 timeout.as_secs_f64()
             ),
@@ -351,8 +351,8 @@ mod tests {
         fs::set_permissions(&tool, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a script");
         let answer = version(&tool.display().to_string(), Duration::from_millis(50));
         let text = render(&[Finding::new("gdb", "`eyesim debug`", answer, "")]);
-        let expected = "slow     gdb           for `eyesim debug`\n                       it did not answer in 0.05 s: ask again \
-                        when less runs\n";
+        let expected = "slow     gdb           for `eyesim debug`\n                       it did not answer in 0.05 s: try \
+                        again when the machine is less busy\n";
         assert_eq!(text, expected);
         assert!(matches!(version("no-such-tool", VERSION_TIMEOUT), Answer::Missing));
     }

@@ -76,7 +76,7 @@ const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot prog
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
+    /// Run a sim file: build and load its robot programs, run them in lockstep, and report what happened
     Run(Box<run::RunArgs>),
     /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
     Test(test::TestArgs),
@@ -124,14 +124,14 @@ enum Command {
     #[cfg(not(feature = "accuracy"))]
     #[command(hide = true)]
     Accuracy(absent::AbsentArgs),
-    /// Build a robot program from C sources by hand
+    /// Build a robot program from C and C++ sources
     Cc(cc::CcArgs),
     /// A robot's process of `eyesim run --exec process`
     #[command(hide = true)]
     Child(child::ChildArgs),
     /// Run a scene with the program of one robot in gdb
     Debug(debug::DebugArgs),
-    /// Check files as one types them: a language server for editors
+    /// Check files while you type: a language server for editors
     #[cfg(feature = "lsp")]
     Lsp(lsp::LspArgs),
     #[cfg(not(feature = "lsp"))]

@@ -327,7 +327,7 @@ fn json_text(text: &str) -> String {
 
 fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
     if folder.symlink_metadata().is_ok() {
-        bail!("`{}` is there already: choose another name, or another folder with `--path`", folder.display());
+        bail!("`{}` exists already: choose another name, or another folder with `--path`", folder.display());
     }
     for (name, text) in files {
         let path = folder.join(name);
@@ -353,7 +353,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         assert_eq!(new("maze", Language::C, folder.path()), Ok(()));
         let message = new("maze", Language::Rust, folder.path()).expect_err("it is there");
-        assert!(message.contains("maze` is there already"), "{message}");
+        assert!(message.contains("maze` exists already"), "{message}");
         assert!(!folder.path().join("maze/Cargo.toml").exists());
     }
 

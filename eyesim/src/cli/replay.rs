@@ -238,7 +238,7 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
     let version = &recorded.version;
     ensure!(
         !header.run.is_empty(),
-        "`{}` does not say how it is run again: eyesim {version} has recorded it",
+        "`{}` has no arguments to repeat the run: eyesim {version} has recorded it",
         trace.display()
     );
     let mut args = RunArgs::of_words(&header.run)?;
@@ -246,7 +246,7 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
         let beside_trace = trace.parent().unwrap_or(Path::new("")).join(&args.sim);
         ensure!(
             beside_trace.exists(),
-            "there is no `{}`, of which the trace is: run this in the folder in which it was recorded",
+            "there is no `{}`, the scene of this trace: run this in the folder in which it was recorded",
             args.sim.display()
         );
         args.sim = beside_trace;
@@ -272,7 +272,7 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     }
     if !recorded.header.only.is_empty() {
         remarks.push(format!(
-            "the trace holds only what `--trace-only {}` has left: the digests of its slots tell in which slot two runs part, not what \
+            "the trace holds only what `--trace-only {}` has left: the digests of its slots tell in which slot two runs diverge, not what \
              differs, and the page and `diff` show nothing else; for more, record it without --trace-only",
             recorded.header.only.join(",")
         ));
@@ -316,16 +316,16 @@ impl std::fmt::Display for Divergence {
         match self {
             Self::Slot { end, expected, found } => write!(
                 f,
-                "the runs part in the slot that ends at {end}: its digest is {expected} in the trace, {found} in this run"
+                "the runs diverge in the slot that ends at {end}: its digest is {expected} in the trace, {found} in this run"
             ),
             Self::Only { end, is_in_trace: true } => {
-                write!(f, "the runs part in the slot that ends at {end}: in this run nothing happens in it")
+                write!(f, "the runs diverge in the slot that ends at {end}: in this run nothing happens in it")
             }
             Self::Only { end, is_in_trace: false } => {
-                write!(f, "the runs part in the slot that ends at {end}: in the trace nothing happens in it")
+                write!(f, "the runs diverge in the slot that ends at {end}: in the trace nothing happens in it")
             }
             Self::End { expected, found } => {
-                write!(f, "the runs part at their ends: the trace ends at {expected}, this run at {found}")
+                write!(f, "the runs diverge at their ends: the trace ends at {expected}, this run at {found}")
             }
         }
     }
@@ -431,7 +431,7 @@ mod tests {
         assert!(description(&[(50, 0)], 100).ends_with("in this run nothing happens in it"));
         assert!(description(&[(25, 0), (50, 0)], 100).ends_with("in the trace nothing happens in it"));
         assert!(description(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("in the trace nothing happens in it"));
-        assert!(description(&[(50, 0), (100, 1)], 150).starts_with("the runs part at their ends"));
+        assert!(description(&[(50, 0), (100, 1)], 150).starts_with("the runs diverge at their ends"));
     }
 
     #[test]

@@ -167,7 +167,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     file.begin(&lines, &Head::new(&suite.spec.file, cases.len(), args.shard))?;
     if lines.torn > 0 {
         say(format_args!(
-            "{}: the last line was not whole ({} bytes): its case runs again",
+            "{}: the last line was incomplete ({} bytes): its case runs again",
             lines.path.display(),
             lines.torn
         ));
@@ -248,7 +248,7 @@ fn counts(outcomes: impl Iterator<Item = RowOutcome>) -> String {
 fn report_torn_lines(files: &[Lines]) {
     for lines in files.iter().filter(|lines| lines.torn > 0) {
         say(format_args!(
-            "{}: the last line is not whole ({} bytes) and is left out",
+            "{}: the last line is incomplete ({} bytes) and is left out",
             lines.path.display(),
             lines.torn
         ));

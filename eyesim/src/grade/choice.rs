@@ -91,7 +91,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         for path in &matching {
             if let Some(other) = seen.insert(file_name(path), path) {
                 return Err(format!(
-                    "`{}` and `{}` have one name: expected one version of each file",
+                    "`{}` and `{}` have the same name: expected one version of each file",
                     printable(other),
                     printable(path)
                 ));
@@ -288,7 +288,7 @@ mod tests {
         check(&c_or_cpp, &[("src/SOLVE.C", ""), ("src/map.h", ""), ("x.py", "")], Ok(&[&["src/SOLVE.C"]]));
         check(&c_or_cpp, &[("a.c", "1"), ("lib/b.cpp", "2")], Ok(&[&["a.c", "lib/b.cpp"]]));
         check(&c_or_cpp, &[("a.c", "1"), ("again/a.c", "1")], Ok(&[&["a.c"]]));
-        check(&c_or_cpp, &[("a.c", "1"), ("old/a.c", "2")], Err("have one name"));
+        check(&c_or_cpp, &[("a.c", "1"), ("old/a.c", "2")], Err("have the same name"));
         check(
             &c_or_cpp,
             &[("map.h", "")],

@@ -86,7 +86,7 @@ pub enum PackError {
         what: &'static str,
     },
     /// Two entries have the same name.
-    #[error("two of its entries have one name")]
+    #[error("two of its entries have the same name")]
     Twice,
     /// There are too many entries.
     #[error("it has {0} entries, at most {MAX_ENTRIES} are read")]
@@ -164,7 +164,7 @@ impl Pack {
             if file.is_symlink()
                 || file.unix_mode().is_some_and(|mode| !matches!(mode & 0o170_000, 0 | 0o100_000 | 0o040_000))
             {
-                return Err(entry_error(&name, "is a link or a device, which an archive of eyesim has not"));
+                return Err(entry_error(&name, "is a link or a device, which an eyesim archive cannot contain"));
             }
             let path = if name == MANIFEST { None } else { Some(path_of(&name)?) };
             if file.is_dir() {

@@ -155,7 +155,7 @@ impl Session {
         for Input { path, sha256 } in built.inputs() {
             if self.inputs.entry(path.clone()).or_insert_with(|| sha256.clone()) != sha256 {
                 return Err(Failure::of(format!(
-                    "`{path}` has changed since the first case: the cases after that are others"
+                    "`{path}` has changed since the first case: later cases would differ"
                 )));
             }
         }

@@ -244,7 +244,7 @@ impl<'s> Pool<'s> {
                 let message = if worker.received.is_empty() {
                     format!("the case did not end within {max_seconds:.0} s of real time; its process was killed")
                 } else {
-                    "the process of the case gave a part of a result only; it was killed".to_owned()
+                    "the process of the case sent only part of a result; it was killed".to_owned()
                 };
                 done(index, self.unfinished_result(index, &message))?;
             }
@@ -297,7 +297,7 @@ impl Worker {
     fn receive(&mut self, expected: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
         const HEADER_LENGTH: usize = 5;
         const ENDED: &str = "ended without a result";
-        const MALFORMED: &str = "gave something else than a result";
+        const MALFORMED: &str = "sent an invalid result";
         let mut bytes = [0; 1 << 16];
         loop {
             let missing = match self.received.get(..HEADER_LENGTH) {

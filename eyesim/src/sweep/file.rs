@@ -130,7 +130,7 @@ impl Lines {
             return Ok(());
         }
         if self.head.is_none() {
-            return Err(invalid("the file does not begin as one of a sweep".to_owned()));
+            return Err(invalid("the file does not begin with a sweep header".to_owned()));
         }
         let row: Row = serde_json::from_slice(bytes).map_err(error)?;
         if row.schema != ROW_SCHEMA {

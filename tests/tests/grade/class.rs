@@ -202,7 +202,7 @@ fn refused(add: Add<'_>) {
     add("refused-link", Form::Special("solve.c", Special::Link("/etc/passwd")), "error", "no file fits");
     add("refused-link-to-folder", Form::Special("lab", Special::Link("/etc")), "error", "no file fits");
     let two = vec![("v1/solve.c", mine.clone()), ("v2/solve.c", honest(150))];
-    add("refused-two-versions", Form::Folder(two), "error", "have one name");
+    add("refused-two-versions", Form::Folder(two), "error", "have the same name");
     let kinds = vec![("solve.c", mine), ("solve.so", b"\x7fELF".to_vec())];
     add("refused-two-kinds", Form::Folder(kinds), "error", "several kinds");
 }

@@ -153,7 +153,7 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
     let robot = if args.run.verbose { args.run.robot } else { args.run.robot.take() };
     let subject = match (args.lcd, args.from.zip(args.to), robot) {
         (Some(_), _, Some(robot)) if !args.run.verbose => {
-            bail!("--robot {robot} is whose view is shown: `--lcd {robot}` shows its display")
+            bail!("--robot {robot} selects the camera view: `--lcd {robot}` shows its display")
         }
         (None, Some(_), Some(robot)) if !args.run.verbose => {
             bail!("--robot {robot} and --from are two views: expected one of them")
@@ -196,7 +196,7 @@ fn view_picture(finished_run: &FinishedRun, camera: &ShotCamera, args: &ShotArgs
     match args.at.map(|at| (at, picture.time.cmp(&at))) {
         Some((at, Ordering::Less)) => {
             say(format_args!(
-                "the run was over at {time_s:.3} s, before --at {:.3}: the picture is of then",
+                "the run was over at {time_s:.3} s, before --at {:.3}: the picture shows that time",
                 at.seconds()
             ));
         }
