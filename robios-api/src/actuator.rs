@@ -112,7 +112,7 @@ impl Motor {
 }
 
 impl Encoder {
-    /// Ticks since the reset; the count increases when the wheel turns forward.
+    /// Count since the reset; it increases when the wheel turns forward.
     #[track_caller]
     pub fn ticks(&self) -> Ticks {
         Ticks(robios!(&self.robot, QUADRead(self.handle)))
@@ -133,7 +133,7 @@ impl Encoder {
         Length::from_robios(robios!(&self.robot, QUADODORead(self.handle)))
     }
 
-    /// Sets the rolled distance to 0; the tick count is unchanged.
+    /// Sets the rolled distance to 0; the count is unchanged.
     ///
     /// # Errors
     /// [`Error::Refused`] if RoBIOS refuses the call.

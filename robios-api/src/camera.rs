@@ -14,8 +14,8 @@ use crate::{Error, Result, Robot};
 
 /// The camera; dropping the value switches it off.
 ///
-/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top. Images lack the border of
-/// one pixel that `CAMGetFrame` of RoBIOS adds.
+/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is at the top. Images lack the
+/// border of one pixel that `CAMGetFrame` of RoBIOS adds.
 #[derive(Debug)]
 pub struct Camera {
     robot: Robot,

@@ -34,7 +34,8 @@ macro_rules! names {
                 }
             }
 
-            /// The name in the program with the name in the robi file: `` `PsdAt::Front` (`PSD_FRONT`) ``.
+            /// Name in Rust, followed by the name in the robi file: `` `PsdAt::Front` (`PSD_FRONT`) ``. A device with
+            /// only a number is shown by this number.
             fn with_robi_name(self) -> String {
                 match self {
                     Self::Other(semantics) => format!("`{semantics}`"),

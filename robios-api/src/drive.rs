@@ -1,4 +1,5 @@
-//! The VW driving interface. Its frame is the robot's frame at the start: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Positions are in the odometry frame: x forward and y left when the interface was
+//! initialised, angles counter-clockwise.
 
 use std::cell::Cell;
 
@@ -33,7 +34,7 @@ impl Position {
     }
 }
 
-/// Speed over the ground.
+/// Forward speed and rate of turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity {
     /// Forward.

@@ -195,7 +195,7 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     robot.common().failure.get().copied().unwrap_or(code)
 }
 
-/// Runs a task's function, reports its failure to the host and returns its exit code.
+/// Runs `main` or the function of a task, reports its failure to the host and returns the exit code.
 fn catch_failure(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     let outcome = {
         let _guard = ProgramGuard::enter();

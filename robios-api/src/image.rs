@@ -56,21 +56,21 @@ impl ImageSize {
     }
 }
 
-/// A grey image: one byte per pixel, 0 is black, row 0 on top.
+/// A grey image: one byte per pixel, 0 is black, row 0 at the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GrayImage {
     pub(crate) size: ImageSize,
     pub(crate) bytes: Vec<u8>,
 }
 
-/// A colour image: red, green and blue of each pixel, row 0 on top.
+/// A colour image: red, green and blue of each pixel, row 0 at the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColorImage {
     pub(crate) size: ImageSize,
     pub(crate) bytes: Vec<u8>,
 }
 
-/// A depth image: distance along the line of sight of each pixel; row 0 on top.
+/// A depth image: distance along the line of sight of each pixel; row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthImage {
     pub(crate) size: ImageSize,
@@ -78,7 +78,7 @@ pub struct DepthImage {
     pub(crate) mm: Vec<f32>,
 }
 
-/// A label image: surface or body seen in each pixel; row 0 on top.
+/// A label image: surface or body seen in each pixel; row 0 at the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelImage {
     pub(crate) size: ImageSize,

@@ -33,8 +33,8 @@ pub struct Layers<'r>(pub(crate) &'r Robot);
 pub enum LayerFrame {
     /// The frame of the world.
     World,
-    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the
-    /// robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world at the robot's start, and again whenever the program
+    /// sets the odometry.
     Odometry,
 }
 

@@ -73,7 +73,8 @@ impl Ink {
     }
 }
 
-/// A pixel: x from the left, y from the top, (0, 0) to (127, 63); shapes may extend beyond the display.
+/// A pixel of a display or an image: x from the left, y from the top. The display of RoBIOS 6 has (0, 0) to (127, 63);
+/// shapes may extend beyond it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel {
     /// From the left.

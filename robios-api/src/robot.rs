@@ -47,8 +47,9 @@ pub(crate) struct ProgramState {
     pub(crate) failure: OnceLock<i32>,
 }
 
-/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so a
-/// panic leaves no change half done.
+/// Locks a value, also after a panic in a thread that held the lock. A panic leaves no change to a value of this crate
+/// half done, since every such change is a single step. Changes to the value of a [`Shared`](crate::Shared) remain as
+/// far as they were made.
 pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -131,7 +131,7 @@ fn motors_encoders_lines_and_the_clock_work() {
         left.set(Ratio::percent(100.0))?;
         right.set(Ratio::percent(100.0))?;
         robot.sleep(1.seconds());
-        // 0.5 m/s and 1,000 ticks a metre.
+        // 0.5 m/s and 1,000 counts per metre.
         let ticks = encoder.ticks().0;
         assert!((499..=501).contains(&ticks), "{ticks}");
         assert_eq!(robot.simulation().own_pose().position.y, 0.metres());

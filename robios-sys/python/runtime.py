@@ -483,7 +483,7 @@ class _RunToken:
     """
 
     def __init__(self):
-        # Of all fields. Signal handlers and destructors may enter it again.
+        # Lock of all fields. Signal handlers and destructors may enter it again.
         self.guard = _thread.RLock()
         self.main = _thread.get_ident()
         self.holder = _Turn(self.main)  # by which the running thread got the token; None if all threads wait

@@ -102,7 +102,7 @@ _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
 
 } // namespace
 
-// Return addresses of the calls in progress, the innermost first; returns their number.
+// Stores the return addresses of the calls in progress, the innermost first; returns their number.
 extern "C" HIDDEN std::size_t eyesim_stack(const void **addresses, std::size_t room)
 {
     CallStack stack = {addresses, 0, room};

@@ -120,7 +120,8 @@ static ssize_t cookie_write(void *console, const char *bytes, size_t len)
 }
 
 #ifdef EYESIM_CPP
-/* Reports that a stream of the C++ library has read at the end of input, once: the program's call site is then further out. */
+/* Reports once that a stream of the C++ library has read at the end of input: the program's call site is then further
+ * out. */
 static void report_reader(void)
 {
     const void *stack[24];
@@ -756,7 +757,8 @@ LIBC_NORETURN(__stack_chk_fail, (void))
 }
 LIBC_NORETURN(__chk_fail, (void)) { fail(FAILED_STACK, "buffer overflow detected"); }
 
-/* Messages of <err.h> and <error.h>, which go to the host's standard error and end the process. */
+/* Prints a message of <err.h> or <error.h>, whose own functions would write to the host's standard error and end the
+ * process. */
 static void complain(int number, int has_number, const char *format, va_list arguments)
 {
     char name[128] = "", description[128];
@@ -855,7 +857,8 @@ static size_t size_word(const void *memory)
 }
 #define SIZE_BITS (~(size_t)7)
 
-/* True if this word cannot be a size word: sizes are multiples of 16 from 32 on, and those of 4 GiB and more whole pages with a bit for them. */
+/* True if this word cannot be a size word. Sizes are multiples of 16 from 32 on; those of 4 GiB and more are whole
+ * pages, with the bit of a block that has its own mapping. */
 static int is_lost(const void *memory)
 {
     const size_t word = memory == NULL ? 32 : size_word(memory);

@@ -1,8 +1,9 @@
 /* Threads of POSIX and of C11, which are tasks of the robot; part of shim.c.
  *
  * One task runs at a time, and tasks switch only inside calls to the host: code between two calls is never
- * interrupted, and the state of mutexes and similar objects needs no protection. Every function costs one call (`begin`), acts
- * after it, and wakes or waits without further cost. A released resource goes to the task that has waited longest.
+ * interrupted, and the state of mutexes and similar objects needs no protection. A function that may affect other tasks
+ * costs one call (`begin`), acts after it, and wakes or waits without further cost. A released resource goes to the
+ * task that has waited longest.
  *
  * The shim has its own layout of pthread_mutex_t and the other types: all zero is the initial state, and kinds are
  * where the system's initialisers put them. A pthread_t is the number of a task. Attributes have the system's layout. */
@@ -42,7 +43,7 @@ struct task {
 
 static struct task main_task = {.number = 1};
 static struct task *tasks = &main_task;
-static int other_tasks; /* that have not ended, besides main's */
+static int other_tasks; /* number of tasks that have not ended, without that of main */
 
 static struct task *this_task(void) { return may_call() ? self.exit_point->task : &main_task; }
 

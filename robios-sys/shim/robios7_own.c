@@ -19,7 +19,8 @@ WEAK int CAMWIDTH = QVGA_X, CAMHEIGHT = QVGA_Y, CAMPIXELS = QVGA_PIXELS, CAMSIZE
 WEAK int IP_WIDTH = QVGA_X, IP_HEIGHT = QVGA_Y, IP_PIXELS = QVGA_PIXELS, IP_SIZE = QVGA_SIZE;
 static int shown_width = QVGA_X, shown_height = QVGA_Y; /* of the images for the display */
 
-/* Looks up the size of a resolution; 0 if there is no such resolution. CUSTOM leaves the size unchanged. */
+/* Looks up the size of a resolution; returns 0 if there is none or the size of CUSTOM is invalid. CUSTOM leaves the
+ * size unchanged. */
 static int size_of(int resolution, int *width, int *height)
 {
     static const struct {

@@ -9,8 +9,9 @@
  *   layer.c    layers of the window
  * Programs with parts in C++ (EYESIM_CPP) also link cpp.cpp.
  *
- * All functions are weak: a program's own function of the same name takes precedence. None of them calls a function that libc.c
- * interposes. Calls made outside of the program's run (constructors, other threads) do nothing and return 0. */
+ * All functions are weak: a program's own function of the same name takes precedence. None of them calls a function
+ * that libc.c interposes. Calls outside of the program's run (by constructors and destructors that the dynamic linker
+ * runs), or on other threads, do nothing and return 0. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif

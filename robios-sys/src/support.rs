@@ -1,5 +1,5 @@
-//! Services of the host, independent of the RoBIOS generation: console, random numbers, virtual time and the end of the
-//! program for the run time of its language, and layers that the program shows in the window.
+//! Services of the host, independent of the RoBIOS generation: console, random numbers, virtual time, tasks and the end
+//! of the program for its language runtime, and layers that the program shows in the window.
 
 use crate::param::{Bytes, Callback, OutBytes, Text};
 
@@ -71,8 +71,8 @@ pub mod wait {
 pub mod layer {
     /// The frame of the world.
     pub const WORLD: i32 = 0;
-    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the
-    /// robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world at the robot's start, and again whenever the program
+    /// sets the odometry.
     pub const ODOMETRY: i32 = 1;
     /// Cell that is certainly occupied; 0 is certainly free. Source: `nav_msgs/OccupancyGrid` of ROS.
     pub const OCCUPIED: u8 = 100;
@@ -126,13 +126,13 @@ crate::table::function_table! {
         fn program_name(name: OutBytes) -> i32 = 0;
 
         /// Number of the calling task: 1 for that of `main`, then in the order of their starts.
-        /// Costs virtual time like any call, so that operations between tasks do.
+        /// Costs virtual time like any call, so that the operations between tasks that begin with it cost time too.
         fn task_self() -> i32 = 1;
 
-        /// Starts a task of the robot at the end of its run queue: when first scheduled it calls `code`, once, on its
-        /// own thread. Tasks switch at the first call that ends at or after a tick of 10 ms, and when the running task
-        /// waits. Only one runs at a time. When `code` returns STOP, the whole program ends. No time passes. Returns
-        /// the task's number, 0 when the robot has too many tasks.
+        /// Starts a task of the robot at the end of its run queue: when first scheduled it calls `code`, once, in a
+        /// flow of its own. Tasks switch at the first call that ends at or after a tick of 10 ms, and when the running
+        /// task waits. Only one runs at a time. When `code` returns STOP, the whole program ends. No time passes.
+        /// Returns the task's number, 0 when the robot has too many tasks.
         fn task_spawn(code: Callback) -> i32 = 0;
 
         /// Appends the calling task to the queue `key`; other tasks run until it is woken there or the virtual time
@@ -165,7 +165,7 @@ crate::table::function_table! {
         fn input(bytes: OutBytes) -> i32 = 0;
 
         /// Records that the program could not open the file of this name, with the system's error number, so that a
-        /// later null-pointer fault can be explained. No time passes. Returns 0.
+        /// later crash by the null pointer can be explained. No time passes. Returns 0.
         fn open_failed(name: Text, error: i32) -> i32 = 0;
 
         /// Reports a likely mistake in the program as a hint, once for each call site. No time passes. Returns 0.
@@ -186,7 +186,7 @@ crate::table::function_table! {
         /// and in a recording. `frame` is one of `layer`. The grid's corner with the smallest coordinates is at (`x_m`,
         /// `y_m`), its cells are squares of `cell_m`. `cells` has a byte for each, row by row from the smallest y, each
         /// row from the smallest x: 0 (free) to 100 (occupied), or 255 (unknown). The simulation is not affected, and
-        /// no time passes. Returns 0; 1, with a hint, if an argument is beyond the limits of `layer` or no number.
+        /// no time passes. Returns 0; 1, with a hint, if an argument is beyond the limits of `layer` or NaN.
         fn show_grid(name: Text, frame: i32, x_m: f64, y_m: f64, cell_m: f64, columns: i32, rows: i32, cells: Bytes) -> i32 = 1;
 
         /// Like `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and

@@ -131,11 +131,11 @@ impl fmt::Debug for Fake {
 }
 
 impl Fake {
-    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. Its limit is 60
-    /// s.
+    /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. The limit of
+    /// its virtual time is 60 s.
     ///
     /// At full power of the motors the robot drives at 0.5 m/s. Its wheels are 0.1 m apart, and its encoders have 1,000
-    /// ticks a metre. At the start, north is to its left.
+    /// counts per metre. At the start, north is to its left.
     pub fn new() -> Self {
         Self {
             psds: Vec::new(),

@@ -15,7 +15,7 @@ use crate::unit::{Angle, Length};
 
 /// Period of the timer grid: 1 ms.
 const TICK_US: u64 = 1_000;
-/// Value of sensors that are out of range.
+/// Reading of a sensor with nothing in range, in millimetres.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
 /// Value of a sensor in whole millimetres, at least 1: a value of 0 would mean that the robot has no such sensor.
@@ -35,7 +35,7 @@ fn wheel_index(number: i32) -> Option<usize> {
 }
 
 impl FakeRobot {
-    /// Starts a drive that takes `span_s` seconds; returns 1 if that is not a duration.
+    /// Starts a drive that takes `span_s` seconds; returns 1 if `span_s` is negative or not finite.
     fn start_drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
         self.act(|state| {
             if !(span_s.is_finite() && span_s >= 0.0) {
@@ -64,8 +64,8 @@ fn span_s(distance: i32, speed: i32) -> f64 {
     if speed > 0 { f64::from(distance).abs() / f64::from(speed) } else { f64::INFINITY }
 }
 
-/// Label of a key. An empty text becomes a blank, which clears the label on the RoBIOS 6 display that serves both
-/// generations.
+/// Label of a key. An empty text becomes a blank: in RoBIOS-7 it clears the label, while
+/// [`LcdBuffer::menu`](super::lcd::LcdBuffer::menu) ignores it, as RoBIOS 6 does.
 fn key_label(text: Option<&[u8]>) -> &[u8] {
     text.filter(|text| !text.is_empty()).unwrap_or(b" ")
 }

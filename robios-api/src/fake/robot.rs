@@ -24,7 +24,7 @@ use crate::robios7::Color;
 const CALL_COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
-/// Resolution of the encoders.
+/// Resolution of the encoders, in counts per metre.
 pub(super) const TICKS_PER_METRE: f64 = 1000.0;
 /// The only handle of the driving interface.
 pub(super) const DRIVE_HANDLE: i32 = 1;
@@ -49,9 +49,9 @@ pub(super) struct State {
     pub has_drive: bool,
     /// Power of the motors, left and right, as a fraction of full power.
     pub power: [f64; 2],
-    /// Distances rolled by the wheels when their tick counts were last reset, in metres.
+    /// Distances rolled by the wheels when the counts of their encoders were last reset, in metres.
     pub rolled_at_tick_reset: [f64; 2],
-    /// Distances rolled by the wheels when their distance counts were last reset, in metres.
+    /// Distances rolled by the wheels when the distances of their encoders were last reset, in metres.
     pub rolled_at_distance_reset: [f64; 2],
     pub servos: Vec<i32>,
     pub psd: Option<PsdMeasurement>,
@@ -223,12 +223,12 @@ impl FakeRobot {
         if state.is_over { Err(Stop) } else { Ok(delay_us) }
     }
 
-    /// Index of the sensor with this handle; a handle has exactly one bit set.
+    /// Index of the device with this handle; a handle has exactly one bit set.
     pub(super) fn index_of(handle: i32, count: usize) -> Option<usize> {
         (0..count.min(31)).find(|index| handle == 1 << index)
     }
 
-    /// Handle of the sensor at an index; 0 for none.
+    /// Handle of the device at an index; 0 for none.
     pub(super) fn handle_of(index: Option<usize>) -> i32 {
         index.filter(|index| *index < 31).map_or(0, |index| 1 << index)
     }

@@ -324,7 +324,8 @@ impl FakeRobot {
         threads.into_iter().for_each(|thread| drop(thread.join()));
     }
 
-    /// Suspends the running task with a status; fails inside a timer's function, which must not wait.
+    /// Sets the status of the running task and lets the next task run; fails inside a timer's function, which must not
+    /// wait.
     fn block(&self, name: &str, status: Status) -> Result<(), Stop> {
         {
             let state = &mut *self.state.borrow_mut();

@@ -29,7 +29,7 @@ pub struct Servo<'r> {
     number: u8,
 }
 
-/// Gains of a motor's PID controller, each 1 to 255.
+/// Gains of a motor's PID controller, each 0 to 255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MotorGains {
     /// Proportional.
@@ -75,7 +75,7 @@ impl Motor<'_> {
         Err(Error::OutOfRange { what: "power of a motor", value: power.to_string(), accepted: "-100 to 100 %" })
     }
 
-    /// Sets the motor's speed in encoder ticks per second, negative for backwards.
+    /// Sets the motor's speed in encoder counts per second, negative for backwards.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such motor.
@@ -88,7 +88,7 @@ impl Motor<'_> {
     /// Starts the motor's PID controller.
     ///
     /// # Errors
-    /// [`Error::Refused`] if the robot has no such motor, or for gains of 0.
+    /// [`Error::Refused`] if the robot has no such motor.
     #[track_caller]
     pub fn start_control(&self, gains: MotorGains) -> Result {
         let MotorGains { p, i, d } = gains;
@@ -106,7 +106,7 @@ impl Motor<'_> {
 }
 
 impl Encoder<'_> {
-    /// Ticks since the reset; the count increases when the wheel turns forward. 0 if the robot has no such encoder.
+    /// Count since the reset; it increases when the wheel turns forward. 0 if the robot has no such encoder.
     #[track_caller]
     pub fn ticks(&self) -> Ticks {
         Ticks(robios7!(self.robot, ENCODERRead(self.number.into())))

@@ -12,7 +12,7 @@ use crate::robot::{release, robios7};
 
 /// The camera; dropping the value switches it off.
 ///
-/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is on top.
+/// An image shows the scene 1/60 s before the end of the call that takes it. Row 0 is at the top.
 #[derive(Debug)]
 pub struct Camera<'r> {
     robot: &'r Robot,
@@ -54,7 +54,7 @@ impl Camera<'_> {
         Ok(image)
     }
 
-    /// Takes a colour image into an existing one, reusing its memory.
+    /// Takes a colour image into an existing one, reusing its memory if it has the camera's size.
     #[track_caller]
     pub fn color_into(&self, image: &mut ColorImage) -> Result {
         if image.size != self.size {
@@ -72,7 +72,7 @@ impl Camera<'_> {
         Ok(image)
     }
 
-    /// Takes a grey image into an existing one, reusing its memory.
+    /// Takes a grey image into an existing one, reusing its memory if it has the camera's size.
     #[track_caller]
     pub fn gray_into(&self, image: &mut GrayImage) -> Result {
         if image.size != self.size {

@@ -128,7 +128,7 @@ pub enum Fill {
     Outline,
 }
 
-/// Modes of the display. [`Lcd::set_mode`] sets one mode and leaves modes of other kinds unchanged.
+/// A mode of the display. [`Lcd::set_mode`] sets one mode and leaves modes of other kinds unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LcdMode {
     /// Text that overflows the last line moves all lines up.

@@ -15,7 +15,7 @@ use crate::radio::{Message, POLL_INTERVAL};
 use crate::robot::{release, robios7};
 use crate::{Error, Result};
 
-/// Maximum length of a message in bytes; our choice.
+/// Maximum length of a message in bytes, a choice of this simulator.
 pub const MAX_MESSAGE: usize = 1023;
 
 /// The radio, switched on; dropping the last instance switches it off.

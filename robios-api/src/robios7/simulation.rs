@@ -14,7 +14,8 @@ pub struct Simulation<'r>(pub(super) &'r Robot);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectNumber(pub u16);
 
-/// Pose in the world frame: x to the right, y up on the plan, origin at the lower left corner; to 1 mm and 1 degree.
+/// Pose in the world frame, seen from above: x to the right, y to the top, origin at the lower left corner. Values are
+/// rounded to 1 mm and 1 degree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TruePose {
     /// Position and heading on the ground.

@@ -26,7 +26,7 @@ use crate::{Error, Result, Robot};
 /// Scheduling mode of the tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskMode {
-    /// `COOP`: tasks switch only when the running task yields or waits for another.
+    /// `COOP`: tasks switch only when the running task yields or waits.
     Cooperative,
     /// `PREEMPT`: after [`Tasks::permit`] also when a time slice of 10 ms ends or a task of higher priority becomes
     /// ready.

@@ -2,7 +2,7 @@
 #ifndef EYESIM_TYPES_H
 #define EYESIM_TYPES_H
 
-/* Generation of RoBIOS of this header. */
+/* RoBIOS generation of this header. */
 #define EYESIM_ROBIOS 6
 
 /* Checks the arguments of a function that formats as printf does. */
@@ -15,7 +15,7 @@
 typedef unsigned char BYTE;
 typedef int BOOL;
 
-/* Images: 80 x 60 pixels and a border of one pixel, which is undefined; row 0 is on top. */
+/* Images: 80 x 60 pixels and a border of one pixel, which is undefined; row 0 is at the top. */
 #define imagecolumns 82
 #define imagerows    62
 typedef BYTE image[imagerows][imagecolumns];       /* grey, 0 to 255 */
@@ -75,7 +75,7 @@ typedef struct {
 
 /* A task; its members are for reading. */
 struct tcb {
-    struct tcb *next; /* the task made before */
+    struct tcb *next; /* the task created before */
     int id;
     int uid;
     int pri;

@@ -22,7 +22,7 @@
 #include "X11/Xlib.h"
 #endif
 
-/* Generation of RoBIOS of this header. */
+/* RoBIOS generation of this header. */
 #define EYESIM_ROBIOS 7
 
 /* Checks the arguments of a function that formats as printf does. */
@@ -38,14 +38,14 @@ typedef int TIMER; /* of OSAttachTimer, 0 is none */
 typedef char *DeviceSemantics;
 typedef void (*TimerFnc)(void);
 
-/* Any arguments: the headers differ. */
+/* Any arguments, since the original headers differ. */
 #ifdef __cplusplus
 #define EYESIM_ANY ...
 #else
 #define EYESIM_ANY
 #endif
 
-/* Of the header of 2016. */
+/* Types of the header of 2016. */
 typedef sem_t SEMA;
 typedef struct {
     pthread_t thread;
@@ -104,7 +104,7 @@ extern int IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE;
 #define CAM_SUCCESS 0 /* CAMInit, CAMGet */
 #define CAM_FAILURE 1
 
-/* A machine as the library has it without another word. */
+/* The properties of a machine that the library assumes by default. */
 #define MACHINE_SPEED   700000000
 #define MACHINE_TYPE    VEHICLE
 #define MACHINE_NAME    "EyeBot"

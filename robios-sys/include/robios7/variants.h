@@ -73,7 +73,7 @@ menuitem_t *LCDListActiveItem(void);  /* its active item, or null */
 
 char *eyesim_OSExecute(const char *command);                             /* 2016: the output stays valid until the next call */
 int eyesim_SERSend(int interface, const char *text);                     /* 2016: a text that ends in 0 */
-int eyesim_RADIOSend(int id, const void *buf, int size);                 /* 2016: so many bytes */
+int eyesim_RADIOSend(int id, const void *buf, int size);                 /* 2016: `size` bytes */
 void eyesim_SIMGetObject(int id, int *x, int *y, int *phi);              /* 2017: without z */
 void eyesim_SIMSetObject(int id, int x, int y, int phi);                 /* 2017: without z */
 

@@ -1,4 +1,4 @@
-//! Writes the C header and the C shim from the lists of functions and constants.
+//! Generates C headers and parts of the C shim from the lists of functions and constants.
 
 use std::fmt::Write as _;
 

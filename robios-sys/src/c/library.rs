@@ -423,8 +423,8 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 /// Reason why calls of `symbol` by a library built without the shim may act outside of the robot or of virtual time;
 /// `None` if they do not.
 ///
-/// In such a library this holds for most [interposed](INTERPOSED) symbols too, except those that almost every library
-/// imports and those that have an effect only if the program has an error.
+/// In such a library this holds for most [interposed](INTERPOSED) symbols too. Exceptions are symbols that almost every
+/// library imports, and symbols whose original functions are harmless there.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
     let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, text)| *text);
     let is_harmless = |behaviour: &str| {

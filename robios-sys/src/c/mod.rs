@@ -101,13 +101,13 @@ pub const SHIM: &[SourceFile] = files![
     "shim" / "pthread.c",
 ];
 
-/// The file of [`SHIM`] that is compiled; it includes all others except [`CPP_SHIM_SOURCE`].
+/// The C file of [`SHIM`] that is compiled; it includes the other C files and the header.
 pub const SHIM_SOURCE: &str = "shim.c";
 
 /// The file of [`SHIM`] that is compiled by the C++ compiler for programs with parts in C++.
 pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 
-/// Flags for compiling a program's files. Source: design, section 8.
+/// Flags for compiling a program's files.
 ///
 /// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: bit-identical results on every
 /// processor. `-fno-strict-aliasing`: old programs read images through other types. `-pipe`: the assembler's messages

@@ -1,5 +1,5 @@
-//! The constants of RoBIOS 6. Numbers that occur in programs or data files are those of the original RoBIOS; the others
-//! are ours.
+//! The constants of RoBIOS 6. Numbers that occur in programs or data files are those of the original RoBIOS; this
+//! simulator chooses the others.
 
 use crate::constant::constants;
 

@@ -56,7 +56,7 @@ pub type RadianPerSecond = f32;
 pub const IMAGE_COLUMNS: usize = 82;
 /// Rows of an [`Image`], border included.
 pub const IMAGE_ROWS: usize = 62;
-/// `image`: 80 x 60 grey values of 0 to 255, row 0 on top, with a border of 1 pixel that is undefined.
+/// `image`: 80 x 60 grey values of 0 to 255, row 0 at the top, with a border of 1 pixel that is undefined.
 pub type Image = [[u8; IMAGE_COLUMNS]; IMAGE_ROWS];
 /// `colimage`: like [`Image`], each pixel red, green, blue.
 pub type ColImage = [[[u8; 3]; IMAGE_COLUMNS]; IMAGE_ROWS];
@@ -158,7 +158,7 @@ impl ShowOut for RadioStatus {
 
 /// One row of the hardware description table: a device that the robot has.
 ///
-/// In C it is a struct of the program's own library, kept until the program ends.
+/// In C it is a struct of the program's own library, which the next call overwrites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct HDTEntry {

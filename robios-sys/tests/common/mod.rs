@@ -75,7 +75,7 @@ pub struct Built {
     library: PathBuf,
 }
 
-/// Builds a program from the texts of C files. `flags` apply to all of them and to the shim's check of `main`.
+/// Builds a program from the texts of C files. `flags` apply to these files, `shim_flags` to the shim.
 pub fn build(files: &[&str], flags: &[&str], shim_flags: &[&str]) -> Built {
     let folder = folder();
     let mut objects = vec![shim(shim_flags)];

@@ -10,7 +10,7 @@
 #define Bool int
 #endif
 
-typedef struct _XDisplay Display; /* never made */
+typedef struct _XDisplay Display; /* never created */
 
 #ifdef __cplusplus
 extern "C" {
