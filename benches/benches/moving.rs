@@ -7,7 +7,7 @@ use sim_core::RobotId;
 use sim_core::scene::{Bounds, BoundsIndex};
 use std::hint::black_box;
 
-/// Discs of 0.1 m that move by up to 2.5 cm in the slot.
+/// Discs with a radius of 0.1 m that move by up to 2.5 cm in the slot.
 fn bodies(count: usize) -> (Bounds, Vec<(RobotId, Bounds)>) {
     let mut random = Random::new(4);
     let arena = Bounds { min: DVec2::ZERO, max: DVec2::splat((count as f64).sqrt()) };

@@ -1,5 +1,5 @@
-//! Cases of suites per second: `eyesim test` runs one robot with a C library for 10 s, with many cases in a process and
-//! with a process for each case.
+//! Cases of suites per second: `eyesim test` runs one robot with a compiled C program for 10 s, with many cases in a
+//! process and with a process for each case.
 //!
 //! The bench measures processor time instead of real time, so other load on the machine has little effect.
 

@@ -1,7 +1,7 @@
 //! Rays among triangles and walls: speed and error of both indices in one table, compared with parry and, if it is
 //! installed, Embree.
 //!
-//! A custom harness: one table contains all values to compare, measured alternately within one run.
+//! A custom harness: one table contains all values to compare, measured within one run.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;

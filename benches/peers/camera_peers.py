@@ -78,7 +78,7 @@ class Scene:
 
 
 def mujoco_frames(scene, size, shadows):
-    """Returns a function that renders the picture of the view with a given number, row 0 on top."""
+    """Returns a function that renders the picture of the view with a given number, row 0 at the top."""
     import mujoco
 
     width, height = size
@@ -138,7 +138,7 @@ def mujoco_frames(scene, size, shadows):
 
 
 def pybullet_frames(scene, size, shadows):
-    """Returns a function that renders the picture of the view with a given number, row 0 on top."""
+    """Returns a function that renders the picture of the view with a given number, row 0 at the top."""
     import pybullet
 
     width, height = size

@@ -319,7 +319,7 @@ static void drive(Swarm *swarm, int robot)
   }
 }
 
-/* Simulates a slot of all robots, and returns the largest overlap of two robots, or of a robot with a wall, at its begin. */
+/* Simulates a slot of all robots; returns the largest overlap of two robots, or of a robot and a wall, at its start. */
 static double run_slot(Swarm *swarm, double directions[SENSORS][3])
 {
   mjData *d = swarm->data;

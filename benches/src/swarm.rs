@@ -1,5 +1,5 @@
-//! Scene of the swarm: one robot per square metre, on a grid in a square arena with walls on all sides, each with a
-//! different heading.
+//! Scene of the swarm: one robot per square metre, on a grid in a rectangular arena with walls on all sides, each with
+//! a different heading.
 //!
 //! The robots' type and program are in `swarm/`. The scene never changes, so results of different versions of eyesim
 //! are comparable.

@@ -34,7 +34,7 @@ const CELLS: usize = 224;
 const CELL: f64 = 0.5;
 const SIDE: f64 = CELLS as f64 * CELL;
 
-/// Height of the terrain at a point: hills of several sizes, 6 m from the lowest to the highest point.
+/// Height of the terrain at a point: hills of several sizes, at most 5.4 m from the lowest to the highest point.
 fn height(x: f64, y: f64) -> f64 {
     let wave = |a: f64, b: f64, phase: f64| math::sin(a * x + b * y + phase);
     1.5 * wave(0.11, 0.07, 0.3) + 0.8 * wave(-0.21, 0.33, 1.0) + 0.3 * wave(0.9, 0.7, 2.0) + 0.1 * wave(2.9, -3.7, 0.5)

@@ -63,7 +63,7 @@ pub fn scene(input: &[u8]) {
     spec::sim(&sim, &Lines::new(&content));
 }
 
-/// Checks that a suite's cases are those of its matrix, and that its text is read back as the same suite.
+/// Checks that a suite's cases are those of its matrix, and that settings and arguments of cases can be formed.
 pub fn suite(input: &[u8]) {
     let (content, _) = sim_format::decode(input);
     let (suite, diagnostics) = read_suite("a.suite.toml", &content);

@@ -1,4 +1,4 @@
-//! The channel between the host and a robot's process that violates the protocol.
+//! The host's side of the channel to a robot's process that violates the protocol.
 
 use std::fs::File;
 use std::os::unix::fs::FileExt as _;
@@ -107,7 +107,7 @@ fn record(input: &[u8]) -> Option<(&[u8], &[u8])> {
     Some(rest.split_at(rest.len().min(u16::from_le_bytes(*length).into())))
 }
 
-/// The program of the process: any library; its locations are used.
+/// The program of the process: any library, since only its source locations are used.
 static PROGRAM: LazyLock<Arc<Prepared>> = LazyLock::new(|| {
     let maps = std::fs::read_to_string("/proc/self/maps").expect("the kernel lists the mappings");
     let library = maps.lines().filter_map(|line| line.split_once('/')).map(|(_, path)| format!("/{path}"));

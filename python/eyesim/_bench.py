@@ -136,7 +136,7 @@ def _mujoco_robot() -> str:
 
 
 def _resets(task: gym.Task, count: int, threads: int, resets: int) -> None:
-    """Prints the memory after the first hundredth of the resets and after all resets."""
+    """Prints the memory after the first hundredth, after half and after all of the resets."""
     vector = gym.VectorEnv(task, count, threads)
     actions = np.random.default_rng(0).uniform(-1, 1, (count, 2)).astype(np.float32)
     vector.reset(seed=0)

@@ -64,10 +64,10 @@ def load(
     slot: float | None = None,
     set: dict[str, Any] | None = None,
 ) -> Simulation:
-    """Opens a scene without its programs: a path, or a text with line breaks (TOML, or the lines of a sim file).
+    """Opens a scene without its programs.
 
-    `seed`, `noise` (a preset or a file) and `slot` (s) override the scene's; `set` maps paths of values of a scene in TOML to values,
-    such as `{"robot[0].x_mm": 500}`.
+    `scene` is a path, or a text with line breaks (TOML, or the lines of a sim file). `seed`, `noise` (a preset or a file) and `slot` (s) override the
+    scene's; `set` maps paths of values of a scene in TOML to values, such as `{"robot[0].x_mm": 500}`.
 
     Raises `SceneError` for mistakes in the files and `Error` for wrong arguments.
     """
@@ -121,12 +121,12 @@ class Simulation:
     def act(self, do: str, **values: Any) -> None:
         """Performs an intervention of the window, by its name and values: `act("place_robot", robot=1, x_m=1, y_m=1, phi_rad=0)`.
 
-        The names are those of recorded interventions (docs/trace.md). Raises `Error` for one that is refused, also within a slot.
+        The names are those of recorded interventions (docs/trace.md). Raises `Error` for one that is refused; within a slot all are.
         """
         self._native.act(json.dumps({"do": do, **values}))
 
     def observe(self) -> dict[str, Any]:
-        """All values except camera images: the time, and for each robot its poses, speed, contacts and range readings."""
+        """All values except camera images: the time, the poses, speed, contacts and range readings of each robot, and the objects."""
         return {"now": self.now, "robots": [robot.observe() for robot in self.robots], "objects": self.objects}
 
     def snapshot(self) -> Simulation:
@@ -163,7 +163,7 @@ class Simulation:
 
 
 class Robot:
-    """A robot of a simulation. Commands and readings take effect at the simulation's current time."""
+    """A robot of a simulation. Commands take effect, and readings are taken, at the simulation's current time."""
 
     def __init__(self, simulation: Simulation, number: int) -> None:
         """For `Simulation.robot`."""
@@ -241,8 +241,8 @@ class Robot:
     def labels(self) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint32]]:
         """For each pixel of the last image: the kind of the visible surface or body, and its number within the kind.
 
-        Kinds: 0 sky, 1 ground, 2 wall and 3 fixed object (place in the world's file, or among the objects of the scene, from 0),
-        4 movable object and 5 robot (their numbers, from 1). Raises `Error` before an image.
+        Kinds: 0 sky, 1 ground, 2 wall (its index in the world's file, from 0), 3 fixed object (its index among all objects of the
+        scene, from 0), 4 movable object and 5 robot (their numbers, from 1). Raises `Error` before an image.
         """
         kinds, numbers = np.empty(self._last_shape(), np.uint8), np.empty(self._last_shape(), np.uint32)
         self._native.labels(self.number, kinds, numbers)

@@ -120,4 +120,4 @@ class _Runner:
 
 
 _idle: dict[tuple[int, str, Path, str], list[_Runner]] = {}
-"""Processes that wait for a case. This process started them, not a parent process that was forked."""
+"""Processes that wait for a case, by the id of the process that started them, and by their plan. A forked process starts its own."""

@@ -45,7 +45,7 @@ lib = _Library()
 
 
 def __getattr__(name: str) -> _Any:
-    """Constants, what calls such as `CAMInit` set, and names that EyeSim VR's `eye.py` imports: a program's own ones stay."""
+    """Constants, variables that calls such as `CAMInit` set, and names that EyeSim VR's `eye.py` imports, unless the program has them."""
     if name in vars(_outside):
         return getattr(_present(), name)
     own = getattr(_outside, name)

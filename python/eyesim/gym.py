@@ -6,7 +6,7 @@ An environment of n simulations calls the functions of its `Task` with arrays of
 
 - **Fresh starts.** Each episode begins as a new simulation of the scene, without any state of the previous one.
 - **Seeds.** Episode e of an environment that was reset with seed s depends only on s and e. Simulation i of a `VectorEnv` that was
-  reset with seed s has the episodes of an `Env` that was reset with s + i, whatever their number.
+  reset with seed s has the episodes of an `Env` that was reset with s + i, whatever the number of simulations.
 - **Ends.** `terminated` is the task's; `truncated` is its time limit.
 - **Autoreset.** `VectorEnv` resets in the step that follows an end (`AutoresetMode.NEXT_STEP`): that step's action is not used, its reward
   is 0, and its observation is the first one of the new episode.
@@ -81,7 +81,7 @@ def no_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
 
 
 def is_touching(readings: Readings) -> Flags:
-    """An episode ends at the first contact."""
+    """True where a contact has begun in this step: the episode ends at its first contact."""
     return readings.touched
 
 
@@ -233,7 +233,7 @@ class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any]]):
-    """Many robots, each in its own scene; one call steps all of them on all cores. See the module for seeds and autoreset."""
+    """Many robots, each in its own scene; one call steps all of them on several threads. See the module for seeds and autoreset."""
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 

@@ -184,7 +184,7 @@ impl Batch {
         })
     }
 
-    /// Number of robots of each simulation, and of range sensors of each robot.
+    /// Number of robots of each simulation, and of range sensors of the robot with the most range sensors.
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.size.robots, self.size.sensors)
@@ -348,7 +348,7 @@ pub fn episode_seed(seed: u64, episode: u64) -> u64 {
 }
 
 impl Member {
-    /// Makes this member's kind of step and observes. `actions` has the speed and turning speed of each robot; robots
+    /// Makes a step of the kind `part` and observes. `actions` has the speed and turning speed of each robot; robots
     /// without an action keep their speeds.
     fn step(
         &mut self,

@@ -177,7 +177,9 @@ def test_a_task_around_any_scene():
 
 
 def learn(generations=30, pairs=24):
-    """A linear policy by an evolution strategy (antithetic, ranks); returns the mean return of each generation and the policy."""
+    """Trains a linear policy by an evolution strategy with antithetic pairs and ranks.
+
+    Returns the mean return of each generation and the policy."""
     vector = eyesim.gym.VectorEnv(WALL, 2 * pairs, horizon=200)
     random = np.random.default_rng(1)
     policy, history = np.zeros((9, 2)), []

@@ -32,7 +32,7 @@ def test_it_has_the_episodes_of_single_environments():
 
 
 def train(steps=100_000):
-    """A policy by PPO, on one thread; the mean return of the latest episodes after each rollout."""
+    """Trains a policy by PPO on one thread; returns the model and the mean return of the latest episodes after each rollout."""
     import torch
     from stable_baselines3 import PPO
     from stable_baselines3.common.callbacks import BaseCallback

@@ -1,5 +1,5 @@
-//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, robots that wait, and a
-//! swarm beside other simulators.
+//! Complete runs of the real binary: crowds of robots that avoid each other, crowds among cans, robots that wait or
+//! send messages, and a swarm beside other simulators.
 //!
 //! A custom harness: criterion would run each scene a hundred times and does not measure memory.
 #![forbid(unsafe_code)]
@@ -83,7 +83,7 @@ fn cans(is_smoke_test: bool) {
     let mut sim = scratch.read("crowd.sim");
     let side = ROBOTS.isqrt();
     for can in 0..ROBOTS {
-        // Each can is half a metre away from each robot.
+        // Each can is half a metre away from the robot of its cell.
         let (x, y) = (1000 * (can % side) + 850, 1000 * (can / side) + 850);
         sim += &format!("can {x} {y} 0\n");
     }
@@ -155,11 +155,11 @@ fn radio(is_smoke_test: bool) {
     );
 }
 
-/// The swarm in each executor with one worker and two: thousands of robot-steps per second, and memory.
+/// The swarm in each kind of flow with one worker and two: thousands of robot-steps per second, and memory.
 fn swarm(is_smoke_test: bool) {
     /// Numbers of robots, and simulated seconds of the run.
     const SIZES: [(usize, f64); 5] = [(1, 20_000.0), (10, 2_000.0), (100, 200.0), (1_000, 20.0), (10_000, 4.0)];
-    /// Executors, numbers of workers, and maximum swarm size of each combination.
+    /// Kinds of flow, numbers of workers, and maximum swarm size of each combination.
     const WAYS: [(&str, &str, usize); 5] = [
         ("fiber", "1", usize::MAX),
         ("fiber", "2", usize::MAX),

@@ -72,8 +72,8 @@ const SIMULATORS: [Simulator; 9] = [
     },
 ];
 
-/// Figures that were measured earlier, on another machine of the kind: thousand robot-steps per second, as lowest and
-/// highest, for 1 to 1,000 robots.
+/// Figures that were measured earlier, on another machine of the same kind: thousand robot-steps per second, as lowest
+/// and highest, for 1 to 1,000 robots.
 const QUOTED: [(&str, [(f64, f64); 4]); 2] = [
     ("ARGoS 3 (e-puck), 20 Nov. 2026", [(145.0, 145.0), (290.0, 290.0), (253.0, 253.0), (160.0, 177.0)]),
     ("Stage 4.3, 20 Nov. 2026", [(49.0, 112.0), (130.0, 240.0), (65.0, 72.0), (29.0, 39.0)]),
@@ -89,7 +89,7 @@ struct Simulator {
 }
 
 enum Kind {
-    /// Executor and number of workers.
+    /// Kind of flow and number of workers.
     Eyesim([&'static str; 2]),
     /// Body and rays.
     MuJoCo([&'static str; 2]),

@@ -42,7 +42,7 @@ pub fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
     Run { simulated, real: number(&report, "real_time_s"), peak, speed }
 }
 
-/// Waits for the end of `child`; returns its maximum resident memory in KiB, as Linux reports it, and with it the
+/// Waits for the end of `child`; returns its maximum resident memory in KiB, as Linux reports it, plus the maximum
 /// memory of the processes of its robots.
 fn watch(child: &mut Child) -> Option<u64> {
     let path = format!("/proc/{}/status", child.id());
