@@ -40,9 +40,9 @@ def run(
 ) -> Run:
     """Runs a scene with its programs to its end, as `eyesim run` does.
 
-    `scene` is a path, or a text with line breaks. `programs` is a program for the robots without one, or a
-    dictionary from robot numbers to programs: files, or functions that call `eyesim.eye` and receive the words of `arguments`. `until` is
-    the simulated time (s) at which the run ends. The other parameters are the options of `eyesim run` with the same names. Without `trace` the events are not kept.
+    `scene` is a path, or a text with line breaks. `programs` is a program for the robots without one, or a dictionary from robot numbers
+    to programs: files, or functions that call `eyesim.eye` and receive the words of `arguments`. `until` is the simulated time (s) at
+    which the run ends. The other parameters are the options of `eyesim run` with the same names. Without `trace` the events are not kept.
 
     A failure of a file's program is a result, and is in the report. Raises `SceneError` for mistakes in the files, `Error` for wrong arguments
     and for programs that cannot be found or built, and after the run `ProgramError` for the first robot whose function has failed.

@@ -66,8 +66,8 @@ def load(
 ) -> Simulation:
     """Opens a scene without its programs.
 
-    `scene` is a path, or a text with line breaks (TOML, or the lines of a sim file). `seed`, `noise` (a preset or a file) and `slot` (s) override the
-    scene's; `set` maps paths of values of a scene in TOML to values, such as `{"robot[0].x_mm": 500}`.
+    `scene` is a path, or a text with line breaks (TOML, or the lines of a sim file). `seed`, `noise` (a preset or a file) and `slot` (s)
+    override the scene's; `set` maps paths of values of a scene in TOML to values, such as `{"robot[0].x_mm": 500}`.
 
     Raises `SceneError` for mistakes in the files and `Error` for wrong arguments.
     """

@@ -115,7 +115,7 @@ impl Scratch {
         Ran::from(self.command(args).output().expect("eyesim starts"))
     }
 
-    /// Runs a sim file with a report, checks the exit code and returns the report.
+    /// Runs a scene with a report, checks the exit code and returns the report.
     ///
     /// # Panics
     /// If the exit code differs or the report cannot be read.

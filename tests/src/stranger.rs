@@ -27,7 +27,7 @@ pub fn chown_all(path: &Path, user: u32) {
     }
 }
 
-/// Every file below `path` with all its properties that a program could change, one line per file.
+/// `path` and every file and folder below it, one line each: mode, owner, time of modification and content.
 ///
 /// # Panics
 /// If a file cannot be read.

@@ -101,7 +101,7 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
     }
 }
 
-/// Runs a program beside a good one, on threads; returns both outcomes and the messages.
+/// Runs a program beside a good one; returns the report and the output.
 fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
     let scratch = Scratch::new();
     scratch.write("bad.c", program);
@@ -153,8 +153,8 @@ fn a_programs_floats_are_not_the_hosts() {
 const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
                       #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
 
-/// Runs a program beside a good one, with this executor; returns the exit code, the messages, and the outcome of the
-/// good program.
+/// Runs a program beside a good one, with this executor; returns the exit code, the program's reason with the output,
+/// and the outcome of the good program.
 fn run_beside_good(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
@@ -375,7 +375,7 @@ fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
     }
 }
 
-/// Returns true if any process has `words` in its command line.
+/// Returns true if another process has `words` in its command line.
 fn runs(words: &str) -> bool {
     let processes = std::fs::read_dir("/proc").expect("processes").flatten();
     let own = std::process::id().to_string();

@@ -140,7 +140,7 @@ fn samples_and_scenes_of_others_run_the_same_once_converted() {
             assert!(index >= own, "{path} converts");
             continue;
         }
-        // The programs of scenes by others are missing.
+        // The programs of the corpus are missing; `both.c` replaces them.
         let robots = if index < own { 0 } else { scratch.read(&toml).matches("[[robot]]").count() };
         let programs: Vec<String> = (1..=robots).map(|robot| format!("--program={robot}=both.c")).collect();
         let args: Vec<&str> = programs.iter().map(String::as_str).collect();

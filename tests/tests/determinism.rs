@@ -39,7 +39,7 @@ fn digest(scratch: &Scratch, args: &[&str]) -> String {
     digest_with(eyesim_path(), scratch, args)
 }
 
-/// Makes twenty runs, on one thread, on two, and on more threads than processors, and asserts equal digests.
+/// Makes twenty runs, on one, two and eight threads, and asserts equal digests. Another seed must change the digest.
 fn assert_same_twenty_times(robots: usize) {
     let scratch = Scratch::new();
     write_crowd(&scratch, robots, AVOID);
@@ -106,7 +106,7 @@ fn who_watches_changes_nothing() {
     assert_eq!(trace.last().expect("a trace has lines")["digest"], Value::String(first));
 }
 
-/// The binary of the other profile, if it was built from the current sources.
+/// The binary of the other profile, if it exists; it may be out of date.
 fn other_profile() -> Option<PathBuf> {
     let here = eyesim_path();
     let (folder, name) = (here.parent()?, here.file_name()?);

@@ -302,7 +302,7 @@ fn the_track_of_eyesim_vr_is_half_the_wheel_distance() {
         let (by_vw, by_motors) = (number(&robots[0], "pose.phi_rad"), number(&robots[1], "pose.phi_rad"));
         assert!((by_motors - turn).to_degrees().abs() < 0.1, "{robi}: {by_motors} instead of {turn}");
         assert!((by_vw - turn - FRAC_PI_2).to_degrees().abs() < 0.1, "{robi}: {by_vw}");
-        // Ticks of the right wheel, with 1100 ticks per turn.
+        // Counts of the right encoder, 1100 per turn of the wheel.
         assert!((reading(&robots[1], 0) - 1100.0 * wheel / (2.0 * PI)).abs() <= 1.0, "{robi}: {:#}", robots[1]);
         let quarter = (45.0 * FRAC_PI_2) / (54.0 * PI) * 1100.0;
         assert!((reading(&robots[0], 1) - quarter).abs() <= 1.0, "{robi}, {quarter}: {:#}", robots[0]);

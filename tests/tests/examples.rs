@@ -205,7 +205,7 @@ fn mecanum_wheels_drive_a_square_without_turning() {
     assert!(poses.iter().all(|line| number(line, "phi_rad") == 0.0), "it never turns");
     let far = poses.iter().any(|line| number(line, "x_m") > 1.99 && number(line, "y_m") > 1.99);
     assert!(far, "it has been to the opposite corner");
-    // The odometry is exact to one encoder tick, 0.08 mm.
+    // The odometry is exact to one encoder count, 0.08 mm.
     let words: Vec<f64> = lcd(robot, 3).split_whitespace().map(|word| word.parse().expect("a number")).collect();
     assert!((words[0] - (x - 1.5)).abs() < 5e-4 && (words[1] - (y - 1.5)).abs() < 5e-4, "{robot:#}");
 }

@@ -16,8 +16,8 @@ const POINTS: f64 = 10.0;
 /// A solution, its points, and the checks that fail.
 type Solution<'t> = (&'t str, f64, &'t [&'t str]);
 
-/// Runs the suite of a lab with each solution and compares all rows with the expected ones. `few` are the seeds of a
-/// short test. A solution is the program of `robot`.
+/// Runs the suite of a lab with each solution as the program of `robot`, and compares all rows with the expected ones.
+/// `few` are the seeds of a short test.
 fn judge(folder: &str, few: &str, robot: &str, with_mistakes: [Solution<'_>; 2]) {
     let (_, name) = folder.split_once('-').expect("a number and a name");
     let scratch = Scratch::new();

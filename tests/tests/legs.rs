@@ -64,7 +64,7 @@ fn printed(trace: &[Value], robot: u64) -> Vec<&str> {
     lines.map(|event| event["text"].as_str().expect("a text")).collect()
 }
 
-/// Messages to the user.
+/// The hints of a run to the user.
 fn hints(scratch: &Scratch) -> String {
     let ran = scratch.eyesim(&["run", "legs.scene.toml"]);
     let hints = ran.stderr.lines().filter_map(|line| line.split_once("hint: "));

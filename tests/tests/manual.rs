@@ -54,7 +54,7 @@ fn off_road(x: f64, y: f64) -> f64 {
     dx.max(0.0).hypot(dy.max(0.0)) + dx.max(dy).min(0.0) - 0.45
 }
 
-/// The floor of `road.wld`, 5 mm per pixel: a dark road of 0.3 m between white lines of 20 mm, surrounded by grass.
+/// The floor of `road.wld`, 5 mm per pixel: a dark road, 0.3 m wide with its white edge lines of 20 mm, on grass.
 fn road() -> image::RgbImage {
     image::RgbImage::from_fn(600, 400, |column, row| {
         let off = off_road((f64::from(column) + 0.5) * 0.005, (f64::from(row) + 0.5) * 0.005).abs();

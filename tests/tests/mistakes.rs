@@ -895,7 +895,7 @@ const CASES: &[Case] = &[
     ),
 ];
 
-/// Name of a tool and its version without the last number: `gcc 12`, `Python 3.11`.
+/// Name of a tool and its major version, for Python also the minor one: `gcc 12`, `Python 3.11`.
 fn version(tool: &str) -> String {
     let output = Command::new(tool).arg("--version").output().expect("the tool runs");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -929,8 +929,8 @@ fn write(scratch: &Scratch, case: &Case) {
     fs::write(scratch.path().join("mine/src/lib.rs"), bytes(&text)).expect("the program");
 }
 
-/// The first lines of a run's output: up to the line that names a location in the program or the scene, if there is
-/// one.
+/// The first lines of a run's output: the message with the line that names its location, if there is one, or up to
+/// three lines that begin with the program's own output.
 fn first_lines(scratch: &Scratch, case: &Case) -> String {
     let robot = case.robot.map_or(format!("S4 500 500 0 {}", case.program), str::to_owned);
     scratch.write("scene.sim", &format!("world %sim%/worlds/empty.wld\n{robot}\n"));

@@ -138,7 +138,7 @@ int OSKill(struct tcb *task); int OSPanic(unread); int OSExit(unread);
 /// The task of the RoBIOS 6 program.
 const TASK_6: &str = "static void code(void) { OSReschedule(); while (1) OSYield(); }\n";
 
-/// Constants that the sources name.
+/// Constants named in the sources of RoBIOS-7. The tests add those of the simulator's headers.
 const CONSTANTS_7: &str = "QQVGA QVGA VGA CAM1MP CAMHD CAM5MP CUSTOM RED GREEN BLUE WHITE GRAY BLACK SILVER LIGHTGRAY DARKGRAY NAVY \
     CYAN TEAL MAGENTA PURPLE MAROON YELLOW OLIVE ORANGE NOKEY KEY1 KEY2 KEY3 KEY4 ANYKEY KEY_INVALID KEY_LIST1 KEY_LIST2 KEY_LIST3 \
     KEY_LIST4 KEY_LIST5 KEY_LIST6 KEY_LIST7 KEY_LIST8 KEY_LISTDN KEY_LISTUP KEY_LISTTL KEY_ESCAPE KEYTM_UNKNOWN KEYTM_CLASSIC \
@@ -224,8 +224,8 @@ impl Program {
         }
     }
 
-    /// Runs the program and asserts that all names work. Its failures are in its output, or in the line numbers of a
-    /// compiler's message or a crash report.
+    /// Runs the program and asserts that all names work. Names that fail are found in its output, or by the line
+    /// numbers in a compiler's message or a crash report.
     fn run(&self, file: &str, sim: &str, args: &[&str]) -> Ran {
         let scratch = Scratch::new();
         scratch.write(file, &self.text);

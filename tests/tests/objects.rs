@@ -32,7 +32,7 @@ fn the_ball_is_kicked_into_the_goal() {
     }
     for slot in ["1", "7.3", "20"] {
         let [other_x, other_y] = ball(&soccer(&["--slot", slot]));
-        // A measurement gave the same position to the bit.
+        // When this limit was set, the positions were equal to the bit.
         let off = ((other_x - x).powi(2) + (other_y - y).powi(2)).sqrt();
         assert!(off < 0.001, "slots of {slot} ms: {other_x} {other_y} instead of {x} {y}");
     }

@@ -303,7 +303,7 @@ fn kill(signal: &str, pid: u32) {
     assert!(status.expect("kill").success());
 }
 
-/// Waits until none of the processes exists.
+/// Waits until the processes have ended.
 fn assert_gone(pids: &[u32]) {
     let deadline = Instant::now() + Duration::from_secs(20);
     while let Some(pid) = pids.iter().find(|pid| Path::new(&format!("/proc/{pid}")).exists()) {

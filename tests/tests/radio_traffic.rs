@@ -67,7 +67,8 @@ int main(void)
 "#;
 
 /// Checks a trace of four robots on a free medium whose radios are on from the start: when each message begins, arrives
-/// and becomes visible, that it has a fate at each receiver, and that messages are received in order.
+/// and becomes visible, that it has a fate at each receiver, and that messages are received in order. Returns the
+/// number of received messages.
 fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
     let all = messages(trace);
     let end = micros(&trace.last().expect("events")["t_s"]);

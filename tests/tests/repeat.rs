@@ -193,7 +193,7 @@ fn a_sensor_that_is_off_sees_nothing_and_counts_nothing() {
     let [before, after] = [&ticks, &found].map(|list| list.iter().map(|it| it.expect("ticks")).collect::<Vec<_>>());
     assert_eq!(after[..2], before[..2]);
     assert_eq!(after[2], after[3], "it stands");
-    // The encoder misses the ticks of one second, rounded to whole ticks.
+    // The encoder misses the counts of one second, rounded to whole counts.
     let per_second = (before[7] - before[5]) / 1.0;
     assert!((4..8).all(|i| (before[i] - after[i] - per_second).abs() <= 2.0), "{before:?} {after:?}");
     assert_same_again(&scratch, &report, &[]);

@@ -39,7 +39,7 @@ fn program_of(body: &str) -> String {
     format!("#include \"eyebot.h\"\n\n{body}\n")
 }
 
-/// Output of robot 1 in a run that ends with the exit code `code`.
+/// Output of robot 1, and the messages, of a run that ends with the exit code `code`.
 fn printed(scratch: &Scratch, args: &[&str], code: i32) -> (Vec<String>, String) {
     let ran = scratch.eyesim(&[&["run", "bare.sim", "--trace", "trace.jsonl"], args].concat());
     let lines = scratch

@@ -16,7 +16,7 @@ fn scene(source: &str) -> Scratch {
     scratch
 }
 
-/// Starts a run, sends `signal` as soon as it has printed a line, and waits for its end.
+/// Starts a run, sends `signal` as soon as `ready` is in its trace, and waits for its end.
 fn interrupted(scratch: &Scratch, args: &[&str], signal: i32) -> Ran {
     let mut all = vec!["run", "scene.sim", "--report", "r.json", "--trace", "t.jsonl"];
     all.extend(args);

@@ -229,7 +229,7 @@ fn headers_of_another_year_beside_a_program_give_way() {
     assert!(ran.stdout.contains("] a.c 42"), "{ran:#?}");
     let said = "`eyebot.h`, `types.h` beside the program is RoBIOS's own: eyesim's is used instead";
     assert!(ran.stderr.contains(said), "{ran:#?}");
-    // A wrapper of our header, and types that the program defines itself, stay in use.
+    // A wrapper of the simulator's header, and types that the program defines itself, stay in use.
     let wrapper = "#include_next <eyebot.h>\nstatic inline int go(void) { return VWStraight(100, 100); }\n";
     let program =
         "#include \"eyebot.h\"\n#include \"types.h\"\nint main(void) { Cell c = go(); VWWait(); return c; }\n";
@@ -237,7 +237,7 @@ fn headers_of_another_year_beside_a_program_give_way() {
     let (_, ran) = run(&files, "a.c", &[]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     assert!(!ran.stderr.contains("RoBIOS's own"), "{ran:#?}");
-    // A header whose functions take other values than ours is used with a warning.
+    // A header whose functions take other values than the simulator's is used with a warning.
     let header = "int VWDriveStraight(int distance, int speed);\nint VWDriveWait(void);\n";
     let program = "#include \"eyebot.h\"\nint main(void) { VWDriveStraight(300, 100); VWDriveWait(); return 0; }\n";
     let (_, ran) = run(&[("a.c", program), ("eyebot.h", header)], "a.c", &[]);

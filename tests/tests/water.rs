@@ -89,7 +89,7 @@ fn it_slides_along_a_wall_and_stays_between_floor_and_surface() {
         .filter(|event| event["event"] == "posture")
         .map(|event| number(event, "lift_m"))
         .collect();
-    // The water is 0.8 m deep above a hull of 0.3 m.
+    // The water is 0.8 m deep, and the hull 0.3 m high.
     assert!(lifts.contains(&0.0) && lifts.iter().all(|lift| (0.0..=0.5).contains(lift)), "{lifts:?}");
     for slot in ["1", "200"] {
         let same = scratch.report("bump.scene.toml", &["--slot", slot, "--until", "12"], 0);

@@ -574,7 +574,7 @@ fn turned([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// Heights of the links of `robot` above the origin of its frame at these joint angles, computed as on a page.
+/// Heights of the links of `robot` above the origin of its frame at these joint angles, computed as a page does.
 fn link_heights(robot: &sim_view::protocol::Robot, joints_rad: &[f64]) -> Vec<f64> {
     let mut frames: Vec<([f64; 3], [f64; 4])> = Vec::new();
     for link in &robot.links {

@@ -70,7 +70,7 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
     scheduleDraw();
   }
 
-  /** Requests a redraw, at most four times a second. */
+  /** Updates the displayed time, and schedules a redraw of the marks at most four times a second. */
   function scheduleDraw(): void {
     const end_s = model.player?.duration_s;
     const t_s = model.snapshot?.t_s ?? 0;

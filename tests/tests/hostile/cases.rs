@@ -18,7 +18,7 @@ pub struct Case {
     pub class: &'static str,
     pub name: String,
     pub language: Language,
-    /// Source text; for Rust the name of an arm in `hostile.rs`.
+    /// Source text; for Rust the name of a case in [`RUST`], or `constructor NAME` (see [`CONSTRUCTOR`]).
     pub source: String,
     /// The message must contain one of these texts; empty if the program may end well.
     pub expected: &'static [&'static str],
@@ -1210,7 +1210,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
     ("Rust", "constructor in order", Rust, "constructor in order", &[]),
 ];
 
-/// Text in front of each program in C.
+/// Text in front of each RoBIOS 6 C program that has a `main`.
 const HEAD: &str = r#"#define _GNU_SOURCE
 #include <alloca.h>
 #include <assert.h>
@@ -1279,7 +1279,7 @@ static void foreign(void *(*f)(void *)) {
     (void)spins, (void)calls, (void)victim, (void)storm, (void)leaves, (void)shares, (void)anew, (void)leave_raw, (void)foreign, (void)sinkd, (void)zero, (void)sinkp, (void)place
 "#;
 
-/// Text in front of each program in RoBIOS-7 C and in C++.
+/// Texts in front of each program in RoBIOS-7 C, and in C++.
 const HEAD7: &str = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n";
 const HEAD_CPP: &str = "#include <cstdint>\n#include <exception>\n#include <memory>\n#include <new>\n#include <stdexcept>\n#include <string>\n\
                         #include <thread>\n#include <vector>\n#include \"eyebot.h\"\n";

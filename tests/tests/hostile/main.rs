@@ -72,7 +72,7 @@ fn rust_package() -> PathBuf {
     scratch.path().join("bad")
 }
 
-/// Runs the case beside two good robots, in its own process group and process namespace, within limits.
+/// Runs the case beside two good robots, within limits and, if the machine permits it, in its own process namespace.
 fn run(case: &Case, exec: &str) -> RunResult {
     let scratch = Scratch::new();
     scratch.write("good.c", GOOD);
@@ -239,8 +239,8 @@ fn has_python() -> bool {
     Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success())
 }
 
-/// The cases to run: every 20th and the first of each class, or all. `EYESIM_HOSTILE` may also be a part of the names
-/// of the cases to run.
+/// The cases to run: by default every 20th and the first of each class, without Rust. `EYESIM_HOSTILE` selects all
+/// (`all`), a class, or the cases whose names contain its value.
 fn chosen() -> Vec<Case> {
     let filter = std::env::var("EYESIM_HOSTILE").unwrap_or_default();
     let mut classes = BTreeSet::new();

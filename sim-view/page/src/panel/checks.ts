@@ -72,7 +72,7 @@ function rowOf({ name, value }: CheckState): Row {
   return { element: item, verdict, text, curve, points: [] };
 }
 
-/** Corners of a curve that fills a picture of 100 by 24, with a margin of 2. */
+/** Corners of a curve that fills a picture of 100 by 24, with a margin of 2 above and below. */
 function curveOf(points: readonly [number, number][]): string {
   const [first, last] = [points[0], points.at(-1)];
   if (!first || !last) return "";

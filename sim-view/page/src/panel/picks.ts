@@ -3,7 +3,7 @@
 import { recall, remember } from "./control";
 
 const STORAGE_KEY = "eyesim.plotted";
-/** Number of curve colours. */
+/** Maximum number of picked readings: the number of curve colours. */
 export const MAX_SELECTED = 8;
 
 export class PlotSelection {

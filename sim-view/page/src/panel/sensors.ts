@@ -5,7 +5,7 @@ import type { Model } from "../model";
 import { section, setText, whileOpen } from "./control";
 import { act, onRights, whyNot } from "./notice";
 
-/** Time for which a switch keeps its new position until the reported state agrees; this may take longer than the answer. */
+/** Time for which a switch that the user has changed ignores the reported state, which may change later than the answer arrives. */
 const HOLDS_MS = 1000;
 
 export function sensorsPanel(model: Model): HTMLElement {

@@ -30,7 +30,7 @@ interface Flight {
   from: number;
   to: number;
   outcome: Outcome;
-  /** Real time for which it has been shown; it stops, with its outcome visible, while the run is paused. */
+  /** Real time for which it has been shown. While the run is paused, it stops at an age at which the outcome is visible. */
   age_ms: number;
 }
 

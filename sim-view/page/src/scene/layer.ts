@@ -1,4 +1,4 @@
-// Layers of the 3D view that can be switched.
+// Layers of the 3D view that can be switched on and off.
 
 import { element } from "../dom";
 

@@ -14,7 +14,7 @@ const GHOST: Colour = [0.62, 0.35, 0.95];
 /** Distance of the handle from the body's centre, in radii. */
 const HANDLE = 1.9;
 const LABEL_LIFT_PX = 16;
-/** If odometry and true motion between two details differ by more, the program has set the odometry. */
+/** If odometry and true motion between two details differ by more, the program has set the odometry or the user has placed the robot. */
 const SET_M = 0.1;
 
 export class Marks {
@@ -46,7 +46,10 @@ export class Marks {
     this.anchors.clear();
   }
 
-  /** Reads the chosen robot's odometry. Its frame is located when the robot is seen first, and when its program sets the odometry. */
+  /**
+   * Reads the chosen robot's odometry. Its frame is located when the robot is seen first, when its program sets the odometry, and when
+   * the user places the robot.
+   */
   takeOdometry(): void {
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
     if (!detail) return;

@@ -8,7 +8,7 @@ const MAX_PIECES = 24_000;
 /** Length of a piece and half its width, in radii of the robot. */
 const STEP = 0.25;
 const HALF_WIDTH = 0.12;
-/** The ribbon is cut if a robot moves by this many radii more than it can drive between two frames: it was placed. */
+/** The ribbon is cut if a robot has moved this many radii farther than it can drive between two frames: it was placed by hand. */
 const LEAP = 4;
 const FASTEST_M_PER_S = 3;
 /** Longest time between two frames over which the path is interpolated. */
