@@ -1,4 +1,5 @@
-//! The VW driving interface. Its frame is the robot's frame at the start: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Positions are in the odometry frame: x forward and y left at the start of the program,
+//! angles counter-clockwise. `set_position` changes the frame.
 
 use super::Robot;
 use crate::Result;
