@@ -105,7 +105,11 @@ fn scan_goes_from_left_to_right_with_its_middle_straight_ahead() {
 
 #[test]
 fn keys_touches_and_colours_follow_the_script() {
-    let fake = Fake::new().key(1.seconds(), Key::Key2).touch(2.seconds(), Pixel { x: 30, y: 40 });
+    let fake = Fake::new()
+        .key(1.seconds(), Key::Key2)
+        .touch(2.seconds(), Pixel { x: 30, y: 40 })
+        .key(3.seconds(), Key::Key1)
+        .key(4.seconds(), Key::Key3);
     let run = run(fake, |robot| {
         let lcd = robot.lcd();
         assert_eq!(lcd.size(), Pixel { x: 480, y: 320 });
@@ -116,9 +120,10 @@ fn keys_touches_and_colours_follow_the_script() {
         assert_eq!(touched, Pixel { x: 30, y: 40 });
         lcd.set_pixel(touched, Color::ORANGE);
         assert_eq!(lcd.pixel(touched), Color::rgb(255, 165, 0));
+        robot.wait_for_key(Key::Key3);
         write!(lcd.at(2, 3), "at {:.0} s", robot.now().as_secs_f64())
     });
-    assert_eq!(run.lcd_line(2), "   at 2 s");
+    assert_eq!(run.lcd_line(2), "   at 4 s");
     assert!(run.lcd_line(19).starts_with("GO"));
 }
 

@@ -189,8 +189,7 @@ impl Robios7 for FakeRobot {
     }
 
     fn KEYWait(&self, key: i32) -> Result<i32, Stop> {
-        self.wait_for_key("KEYWait", key)?;
-        Ok(0)
+        self.wait_for_key("KEYWait", key)
     }
 
     fn KEYGetXY(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {

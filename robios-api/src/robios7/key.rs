@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use robios_sys::robios7::KEY_INVALID;
+
 use super::Robot;
 use crate::key::Key;
 use crate::lcd::Pixel;
@@ -23,7 +25,7 @@ impl Robot {
     /// Waits for a certain key; other keys are discarded.
     #[track_caller]
     pub fn wait_for_key(&self, key: Key) {
-        while robios7!(self, KEYWait(key.code())) != 0 {
+        while robios7!(self, KEYWait(key.code())) == KEY_INVALID {
             self.sleep(Duration::from_millis(10));
         }
     }
