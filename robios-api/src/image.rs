@@ -46,7 +46,7 @@ impl ImageSize {
         (0..i32::from(self.rows)).flat_map(move |y| (0..i32::from(self.columns)).map(move |x| Pixel { x, y }))
     }
 
-    fn index_of(self, pixel: Pixel) -> Option<usize> {
+    pub(crate) fn index_of(self, pixel: Pixel) -> Option<usize> {
         let (x, y) = (u16::try_from(pixel.x).ok()?, u16::try_from(pixel.y).ok()?);
         (x < self.columns && y < self.rows).then(|| usize::from(y) * usize::from(self.columns) + usize::from(x))
     }

@@ -2,7 +2,7 @@
 
 use robios_api::fake::Fake;
 use robios_api::robios7::prelude::*;
-use robios_api::robios7::{ImageSize, MotorGains};
+use robios_api::robios7::{ColorImage, ImageSize, MotorGains};
 use robios_api::{Frequency, Position, Ratio, Remaining};
 
 /// Runs a program that must return without an error.
@@ -157,14 +157,37 @@ fn motors_encoders_lines_and_the_clock_work() {
 fn images_have_the_requested_size() {
     run(Fake::new(), |robot| {
         let images = robot.images();
-        let small = robios_api::robios7::ColorImage::new(ImageSize::new(4, 3));
+        let small = ColorImage::new(ImageSize::new(4, 3));
         assert_eq!(small.bytes().len(), 36);
         assert_eq!(small.pixel(Pixel { x: 3, y: 2 }), Some(Color::BLACK));
         assert_eq!(small.pixel(Pixel { x: 4, y: 2 }), None);
-        let large = robios_api::robios7::ColorImage::new(ImageSize::QQVGA);
+        let large = ColorImage::new(ImageSize::QQVGA);
         let error = images.overlay(&small, &large).expect_err("sizes differ");
         assert!(error.to_string().contains("`160x120`"), "{error}");
         assert!(images.read_color("nowhere.ppm", ImageSize::QVGA).is_err());
+        Ok(())
+    });
+}
+
+#[test]
+fn image_files_are_read_in_color_and_in_gray() {
+    run(Fake::new(), |robot| {
+        let images = robot.images();
+        let size = ImageSize::new(3, 2);
+        let mut color = ColorImage::new(size);
+        color.bytes_mut()[3..6].copy_from_slice(&[30, 60, 90]);
+        let gray = images.to_gray(&color);
+        assert_eq!(gray.bytes(), [0, 60, 0, 0, 0, 0]);
+        images.write_color("color.ppm", &color)?;
+        images.write_gray("gray.pgm", &gray)?;
+        assert_eq!(images.read_color("color.ppm", size)?, color);
+        assert_eq!(images.read_gray("gray.pgm", size)?, gray);
+        assert_eq!(images.read_gray("color.ppm", size)?, gray);
+        assert_eq!(images.read_color("gray.pgm", size)?, images.to_color(&gray));
+        // Cropped at the right and padded at the bottom.
+        assert_eq!(images.read_gray("gray.pgm", ImageSize::new(2, 3))?.bytes(), [0, 60, 0, 0, 0, 0]);
+        let error = images.read_gray("nowhere.pgm", size).expect_err("no file");
+        assert_eq!(error.to_string(), "`IPReadFile` was refused for the image with -1");
         Ok(())
     });
 }

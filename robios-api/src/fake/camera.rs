@@ -75,13 +75,7 @@ impl FakeRobot {
 
     /// Takes a grey image: the mean of the colours.
     pub(super) fn grays(&self, state: &mut State) -> Option<Vec<u8>> {
-        let colors = self.colors(state, None)?;
-        Some(
-            colors
-                .chunks_exact(3)
-                .map(|rgb| (rgb.iter().map(|level| u16::from(*level)).sum::<u16>() / 3) as u8)
-                .collect(),
-        )
+        Some(gray_of_colors(&self.colors(state, None)?))
     }
 
     /// Depths of the last image, in millimetres.
@@ -98,6 +92,12 @@ impl FakeRobot {
         let moment = state.moment(camera.taken_us?);
         Some(camera.size.places().map(|pixel| script(&moment, pixel).number()).collect())
     }
+}
+
+/// Mean of red, green and blue of each pixel.
+pub(super) fn gray_of_colors(colors: &[u8]) -> Vec<u8> {
+    let mean = |rgb: &[u8]| (rgb.iter().map(|level| u16::from(*level)).sum::<u16>() / 3) as u8;
+    colors.chunks_exact(3).map(mean).collect()
 }
 
 /// Returns true for a resolution of RoBIOS-7.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use robios_sys::robios7::{Char, Flag, NOKEY, Timer as TimerNumber, VEHICLE};
 use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios7, Stop};
 
-use super::camera::is_resolution;
+use super::camera::{gray_of_colors, is_resolution};
 use super::leg::leg_functions;
 use super::motion::Pose;
 use super::robot::{FakeRobot, State, TICKS_PER_METRE, TimerEntry};
@@ -45,6 +45,20 @@ impl FakeRobot {
             state.motion.drive(state.now_us, length.as_metres(), angle.as_radians(), span_s);
             0
         })
+    }
+
+    /// Stores a file that the program can read again; `kind` is the digit of its format.
+    fn write_image(
+        &self,
+        name: Option<&[u8]>,
+        [columns, rows]: [i32; 2],
+        kind: i32,
+        image: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let (Some(name), Some(image)) = (name, image) else { return Ok(1) };
+        let size = ImageSize::new(columns as u16, rows as u16);
+        self.act(|state| _ = state.image_files.insert(name.to_owned(), (size, kind, image.to_owned())))?;
+        Ok(0)
     }
 
     /// Takes the next unread touch, if its time has come.
@@ -213,6 +227,51 @@ impl Robios7 for FakeRobot {
         x.set(touch_x);
         y.set(touch_y);
         Ok(0)
+    }
+
+    fn IPReadFile(
+        &self,
+        name: Option<&[u8]>,
+        width_px: i32,
+        height_px: i32,
+        image: &mut OutBytes,
+    ) -> Result<i32, Stop> {
+        self.act(|state| {
+            let Some((size, kind, bytes)) = state.image_files.get(name.unwrap_or_default()) else { return -1 };
+            let depth = bytes.len() / size.pixels().max(1);
+            let pixel = |at| size.index_of(at).map_or(&[0; 3][..depth], |index| &bytes[depth * index..][..depth]);
+            let wanted_size = ImageSize::new(width_px as u16, height_px as u16);
+            image.set(&wanted_size.places().flat_map(pixel).copied().collect::<Vec<u8>>());
+            *kind
+        })
+    }
+
+    fn IPWriteFile(
+        &self,
+        name: Option<&[u8]>,
+        width_px: i32,
+        height_px: i32,
+        image: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        self.write_image(name, [width_px, height_px], 6, image)
+    }
+
+    fn IPWriteFileGray(
+        &self,
+        name: Option<&[u8]>,
+        width_px: i32,
+        height_px: i32,
+        image: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        self.write_image(name, [width_px, height_px], 5, image)
+    }
+
+    fn IPCol2Gray(&self, image: Option<&[u8]>, gray: &mut OutBytes) -> Result<(), Stop> {
+        self.act(|_| _ = gray.set(&gray_of_colors(image.unwrap_or_default())))
+    }
+
+    fn IPGray2Col(&self, gray: Option<&[u8]>, image: &mut OutBytes) -> Result<(), Stop> {
+        self.act(|_| _ = image.set(&gray.unwrap_or_default().iter().flat_map(|level| [*level; 3]).collect::<Vec<u8>>()))
     }
 
     fn OSVersion(&self, text: &mut OutBytes) -> Result<i32, Stop> {

@@ -17,7 +17,7 @@ use super::radio::RadioState;
 use super::task::{RunToken, TaskTable};
 use super::{Call, End, Fake, Moment, Run};
 use crate::call_site::LastCallSite;
-use crate::robios7::Color;
+use crate::robios7::{Color, ImageSize};
 
 /// Virtual time that a call takes if it does not wait, in microseconds. It is as long as on a slow processor, so that
 /// polling loops soon reach the limit.
@@ -61,6 +61,8 @@ pub(super) struct State {
     pub pixels: BTreeMap<(i32, i32), Color>,
     /// Setting of a scan: angle in degrees, and number of points.
     pub scan: (i32, i32),
+    /// Image files that the program has written: size, digit of the format, and pixels.
+    pub image_files: BTreeMap<Vec<u8>, (ImageSize, i32, Vec<u8>)>,
     /// The camera, while it is on.
     pub camera: Option<super::camera::CameraState>,
     pub radio: RadioState,
@@ -126,6 +128,7 @@ impl FakeRobot {
             touches_read: 0,
             pixels: BTreeMap::new(),
             scan: (360, 360),
+            image_files: BTreeMap::new(),
             camera: None,
             radio: RadioState::new(&mut fake),
             tasks: TaskTable::new(),

@@ -13,34 +13,50 @@ use crate::{Error, Result};
 #[derive(Clone, Copy, Debug)]
 pub struct Images<'r>(pub(super) &'r Robot);
 
+/// Image of a file.
+enum Picture {
+    Gray(GrayImage),
+    Color(ColorImage),
+}
+
 impl Images<'_> {
-    /// Reads a PNM file as a colour image of this size, cropped or padded with black.
+    /// Reads a PNM file as a colour image of this size, cropped or padded with black. A grey file is converted.
     ///
     /// # Errors
     /// [`Error::Refused`] if the file cannot be read.
     #[track_caller]
     pub fn read_color(&self, path: &str, size: ImageSize) -> Result<ColorImage> {
-        let mut image = ColorImage::new(size);
-        self.read(path, size, &mut image.bytes)?;
-        Ok(image)
+        match self.read(path, size)? {
+            Picture::Gray(image) => Ok(self.to_color(&image)),
+            Picture::Color(image) => Ok(image),
+        }
     }
 
-    /// Reads a PNM file as a grey image of this size, cropped or padded with black.
+    /// Reads a PNM file as a grey image of this size, cropped or padded with black. A colour file is converted.
     ///
     /// # Errors
     /// [`Error::Refused`] if the file cannot be read.
     #[track_caller]
     pub fn read_gray(&self, path: &str, size: ImageSize) -> Result<GrayImage> {
-        let mut image = GrayImage::new(size);
-        self.read(path, size, &mut image.bytes)?;
-        Ok(image)
+        match self.read(path, size)? {
+            Picture::Gray(image) => Ok(image),
+            Picture::Color(image) => Ok(self.to_gray(&image)),
+        }
     }
 
     #[track_caller]
-    fn read(&self, path: &str, size: ImageSize, bytes: &mut [u8]) -> Result {
+    fn read(&self, path: &str, size: ImageSize) -> Result<Picture> {
+        let mut bytes = vec![0; 3 * size.pixels()];
         let (columns, rows) = size.to_robios7();
-        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteBuffer::from(bytes)));
-        checked("IPReadFile", Device::Image, code)
+        // The digit of the formats P1 to P6.
+        match robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteBuffer::from(&mut bytes[..]))) {
+            3 | 6 => Ok(Picture::Color(ColorImage { size, bytes })),
+            1 | 2 | 4 | 5 => {
+                bytes.truncate(size.pixels());
+                Ok(Picture::Gray(GrayImage { size, bytes }))
+            }
+            code => Err(Error::Refused { call: "IPReadFile", device: Device::Image, code }),
+        }
     }
 
     /// Writes a colour image as PPM.
