@@ -180,10 +180,8 @@ impl Drive {
     /// [`Error::Refused`] for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn straight(&self, distance: Length, speed: Speed) -> Result<&Self> {
-        self.is_turning.set(false);
         let code = robios!(&self.robot, VWDriveStraight(self.handle, distance.to_robios(), speed.to_robios()));
-        checked("VWDriveStraight", Device::Drive, code)?;
-        Ok(self)
+        self.started("VWDriveStraight", false, code)
     }
 
     /// Starts to turn on the spot, and does not wait; replaces a drive in progress.
@@ -194,10 +192,8 @@ impl Drive {
     /// [`Error::Refused`] for a rate that RoBIOS does not accept, or if the robot cannot turn on the spot.
     #[track_caller]
     pub fn turn(&self, angle: Angle, rate: TurnRate) -> Result<&Self> {
-        self.is_turning.set(true);
         let code = robios!(&self.robot, VWDriveTurn(self.handle, angle.to_robios(), rate.to_robios()));
-        checked("VWDriveTurn", Device::Drive, code)?;
-        Ok(self)
+        self.started("VWDriveTurn", true, code)
     }
 
     /// Starts to drive along a circular arc, and does not wait; replaces a drive in progress.
@@ -209,9 +205,15 @@ impl Drive {
     /// [`Error::Refused`] for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn curve(&self, length: Length, angle: Angle, speed: Speed) -> Result<&Self> {
-        self.is_turning.set(false);
         let (length, angle, speed) = (length.to_robios(), angle.to_robios(), speed.to_robios());
-        checked("VWDriveCurve", Device::Drive, robios!(&self.robot, VWDriveCurve(self.handle, length, angle, speed)))?;
+        let code = robios!(&self.robot, VWDriveCurve(self.handle, length, angle, speed));
+        self.started("VWDriveCurve", false, code)
+    }
+
+    /// Checks the return code of a call that starts a drive. A refused call leaves the drive in progress unchanged.
+    fn started(&self, call: &'static str, is_turning: bool, code: i32) -> Result<&Self> {
+        checked(call, Device::Drive, code)?;
+        self.is_turning.set(is_turning);
         Ok(self)
     }
 

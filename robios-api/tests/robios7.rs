@@ -14,7 +14,10 @@ fn run(fake: Fake, main: impl FnOnce(&Robot) -> Result) -> robios_api::fake::Run
 fn drives_are_passed_in_whole_millimetres_and_degrees() {
     let run = run(Fake::new(), |robot| {
         let drive = robot.drive();
-        drive.straight(0.5004.metres(), 0.2.metres_per_second())?.wait()?;
+        drive.straight(0.5004.metres(), 0.2.metres_per_second())?;
+        assert!(drive.turn(90.degrees(), 0.degrees_per_second()).is_err());
+        assert!(matches!(drive.remaining(), Remaining::Length(_)));
+        drive.wait()?;
         drive.turn(90.degrees(), 60.degrees_per_second())?;
         robot.sleep(750.millis());
         assert_eq!(drive.remaining(), Remaining::Angle(45.degrees()));

@@ -310,7 +310,10 @@ fn drives_report_what_remains() {
         assert!(drive.is_done() && !drive.is_stalled());
         assert_eq!(drive.remaining(), Remaining::Length(Length::ZERO));
         drive.set_position(Default::default())?;
-        drive.straight(-0.5.metres(), 0.5.metres_per_second())?.wait()?;
+        drive.straight(-0.5.metres(), 0.5.metres_per_second())?;
+        assert!(drive.turn(90.degrees(), 0.degrees_per_second()).is_err());
+        assert!(matches!(drive.remaining(), Remaining::Length(_)));
+        drive.wait()?;
         assert!((drive.position().x + 0.5.metres()).abs() < 0.001.millimetres());
         drive.set_speed(0.1.metres_per_second(), 0.radians_per_second())?;
         assert!((drive.velocity().forward - 0.1.metres_per_second()).abs() < 1e-6.metres_per_second());

@@ -78,10 +78,8 @@ impl Drive<'_> {
     /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn straight(&self, distance: Length, speed: Speed) -> Result<&Self> {
-        self.0.settings().is_turning.set(false);
         let code = robios7!(self.0, VWStraight(distance.to_robios7(), speed.to_robios7()));
-        checked("VWStraight", Device::Drive, code)?;
-        Ok(self)
+        self.started("VWStraight", false, code)
     }
 
     /// Starts to turn on the spot, and does not wait; replaces a drive in progress.
@@ -93,9 +91,7 @@ impl Drive<'_> {
     /// the spot.
     #[track_caller]
     pub fn turn(&self, angle: Angle, rate: TurnRate) -> Result<&Self> {
-        self.0.settings().is_turning.set(true);
-        checked("VWTurn", Device::Drive, robios7!(self.0, VWTurn(angle.to_robios7(), rate.to_robios7())))?;
-        Ok(self)
+        self.started("VWTurn", true, robios7!(self.0, VWTurn(angle.to_robios7(), rate.to_robios7())))
     }
 
     /// Starts to drive along a circular arc, and does not wait; replaces a drive in progress.
@@ -107,10 +103,8 @@ impl Drive<'_> {
     /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn curve(&self, length: Length, angle: Angle, speed: Speed) -> Result<&Self> {
-        self.0.settings().is_turning.set(false);
         let (length, angle, speed) = (length.to_robios7(), angle.to_robios7(), speed.to_robios7());
-        checked("VWCurve", Device::Drive, robios7!(self.0, VWCurve(length, angle, speed)))?;
-        Ok(self)
+        self.started("VWCurve", false, robios7!(self.0, VWCurve(length, angle, speed)))
     }
 
     /// Starts to drive in one arc to a point in the robot's frame, and does not wait; replaces a drive in progress.
@@ -120,9 +114,14 @@ impl Drive<'_> {
     /// cannot reach.
     #[track_caller]
     pub fn drive_to(&self, ahead: Length, left: Length, speed: Speed) -> Result<&Self> {
-        self.0.settings().is_turning.set(false);
         let (ahead, left, speed) = (ahead.to_robios7(), left.to_robios7(), speed.to_robios7());
-        checked("VWDrive", Device::Drive, robios7!(self.0, VWDrive(ahead, left, speed)))?;
+        self.started("VWDrive", false, robios7!(self.0, VWDrive(ahead, left, speed)))
+    }
+
+    /// Checks the return code of a call that starts a drive. A refused call leaves the drive in progress unchanged.
+    fn started(&self, call: &'static str, is_turning: bool, code: i32) -> Result<&Self> {
+        checked(call, Device::Drive, code)?;
+        self.0.settings().is_turning.set(is_turning);
         Ok(self)
     }
 
