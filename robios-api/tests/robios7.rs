@@ -40,6 +40,25 @@ fn drives_are_passed_in_whole_millimetres_and_degrees() {
 }
 
 #[test]
+fn signs_of_speeds_are_ignored_and_points_behind_are_reached_backwards() {
+    run(Fake::new(), |robot| {
+        let drive = robot.drive();
+        drive.straight(-200.millimetres(), -100.millimetres_per_second())?;
+        robot.sleep(500.millis());
+        assert_eq!(drive.remaining(), Remaining::Length(150.millimetres()));
+        drive.wait()?;
+        drive.turn(-90.degrees(), -45.degrees_per_second())?.wait()?;
+        assert_eq!(drive.position(), Position { x: -200.millimetres(), y: 0.metres(), phi: -90.degrees() });
+        drive.set_position(Position::default())?;
+        drive.drive_to(-100.millimetres(), 100.millimetres(), -50.millimetres_per_second())?.wait()?;
+        assert_eq!(drive.position(), Position { x: -100.millimetres(), y: 100.millimetres(), phi: -90.degrees() });
+        assert!(drive.curve(0.metres(), 90.degrees(), 50.millimetres_per_second()).is_err());
+        assert!(drive.straight(100.millimetres(), 0.metres_per_second()).is_err());
+        Ok(())
+    });
+}
+
+#[test]
 fn positions_are_passed_in_whole_numbers() {
     run(Fake::new(), |robot| {
         let drive = robot.drive();

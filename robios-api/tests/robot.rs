@@ -305,8 +305,8 @@ fn drives_report_what_remains() {
         drive.turn(-90.degrees(), 45.degrees_per_second())?;
         robot.sleep(1.seconds());
         let Remaining::Angle(angle) = drive.remaining() else { panic!("a turn remains as an angle") };
-        assert!((angle + 45.degrees()).abs() < 0.1.degrees() && !drive.is_done());
-        drive.curve(1.metres(), 180.degrees(), 0.5.metres_per_second())?.wait()?;
+        assert!((angle - 45.degrees()).abs() < 0.1.degrees() && !drive.is_done());
+        drive.curve(1.metres(), 180.degrees(), -0.5.metres_per_second())?.wait()?;
         assert!(drive.is_done() && !drive.is_stalled());
         assert_eq!(drive.remaining(), Remaining::Length(Length::ZERO));
         drive.set_position(Default::default())?;

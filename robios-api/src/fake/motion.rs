@@ -174,14 +174,14 @@ impl Motion {
         self.piece(now_us).length == 0.0
     }
 
-    /// Remainder of the drive in progress: length, or angle if the drive has no length.
+    /// Remainder of the drive in progress, without a sign: length, or angle if the drive has no length.
     pub fn remaining(&self, now_us: u64) -> f64 {
         let piece = self.piece(now_us);
         if self.drive_end_us(now_us).is_none() {
             return 0.0;
         }
         let [length, _, angle] = piece.progress(now_us);
-        if piece.length == 0.0 { piece.angle - angle } else { piece.length - length }
+        (if piece.length == 0.0 { piece.angle - angle } else { piece.length - length }).abs()
     }
 }
 

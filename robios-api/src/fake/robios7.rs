@@ -35,10 +35,10 @@ fn wheel_index(number: i32) -> Option<usize> {
 }
 
 impl FakeRobot {
-    /// Starts a drive that takes `span_s` seconds; returns 1 if `span_s` is negative or not finite.
+    /// Starts a drive that takes `span_s` seconds; returns 1 if `span_s` is not finite.
     fn start_drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
         self.act(|state| {
-            if !(span_s.is_finite() && span_s >= 0.0) {
+            if !span_s.is_finite() {
                 return 1;
             }
             let (length, angle) = (Length::from_robios7(length_mm), Angle::from_robios7(angle_deg));
@@ -72,10 +72,10 @@ impl FakeRobot {
     }
 }
 
-/// Duration in seconds of a drive over a length at a speed, or over an angle at a rate of turn; infinite for a speed of
-/// 0 or less.
+/// Duration in seconds of a drive over a length at a speed, or over an angle at a rate of turn, whatever their signs;
+/// not finite for a speed of 0.
 fn span_s(distance: i32, speed: i32) -> f64 {
-    if speed > 0 { f64::from(distance).abs() / f64::from(speed) } else { f64::INFINITY }
+    f64::from(distance).abs() / f64::from(speed).abs()
 }
 
 /// Label of a key. An empty text becomes a blank: in RoBIOS-7 it clears the label, while
@@ -547,21 +547,25 @@ impl Robios7 for FakeRobot {
     }
 
     fn VWCurve(&self, dist: i32, angle: i32, lin_speed: i32) -> Result<i32, Stop> {
-        self.start_drive7(dist, angle, span_s(dist, lin_speed))
+        let is_turn_on_the_spot = dist == 0 && angle != 0;
+        let span_s = if is_turn_on_the_spot { f64::INFINITY } else { span_s(dist, lin_speed) };
+        self.start_drive7(dist, angle, span_s)
     }
 
     fn VWDrive(&self, dx: i32, dy: i32, lin_speed: i32) -> Result<i32, Stop> {
-        // An arc that starts along x and ends at (dx, dy) changes the heading by twice the direction of (dx, dy).
-        let direction = Angle::towards(Length::from_robios7(dx), Length::from_robios7(dy));
-        let chord = Length::of_vector(Length::from_robios7(dx), Length::from_robios7(dy));
+        // An arc that starts along x and ends at (dx, dy) changes the heading by twice the direction of (dx, dy). An
+        // arc to a point behind is driven backwards.
+        let sign = if dx < 0 { -1.0 } else { 1.0 };
+        let (ahead, left) = (Length::from_robios7(dx).abs(), Length::from_robios7(dy));
+        let (direction, chord) = (Angle::towards(ahead, left), Length::of_vector(ahead, left));
         let is_straight = direction.abs() < Angle::degrees(1e-9);
         let length = if is_straight { chord } else { chord * (direction.as_radians() / direction.sin()) };
-        let span_s = if lin_speed > 0 { length.as_millimetres() / f64::from(lin_speed) } else { f64::INFINITY };
+        let span_s = length.as_millimetres() / f64::from(lin_speed).abs();
         self.act(|state| {
             if !span_s.is_finite() {
                 return 1;
             }
-            state.motion.drive(state.now_us, length.as_metres(), 2.0 * direction.as_radians(), span_s);
+            state.motion.drive(state.now_us, sign * length.as_metres(), sign * 2.0 * direction.as_radians(), span_s);
             0
         })
     }
@@ -570,7 +574,8 @@ impl Robios7 for FakeRobot {
         self.act(|state| {
             let remaining = state.motion.remaining(state.now_us);
             let is_turn = state.motion.is_turn(state.now_us);
-            (if is_turn { remaining.to_degrees() } else { remaining * 1000.0 }).round() as i32
+            // Rounded up: 0 only when nothing remains.
+            ((if is_turn { remaining.to_degrees() } else { remaining * 1000.0 }) - 1e-6).ceil() as i32
         })
     }
 

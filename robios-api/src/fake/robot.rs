@@ -262,13 +262,16 @@ impl FakeRobot {
         Ok(code)
     }
 
-    /// Starts a drive over `length` and `angle`, as long as `distance` (one of the two) takes at `speed`.
+    /// Starts a drive over `length` and `angle`, as long as `distance` (one of the two) takes at `speed`, whatever
+    /// their signs.
     pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, speed: f32, distance: f32) -> Result<i32, Stop> {
         self.act(|state| {
-            if !(handle == DRIVE_HANDLE && state.has_drive && speed > 0.0 && length.is_finite() && angle.is_finite()) {
+            let span = f64::from(distance.abs()) / f64::from(speed.abs());
+            let is_arc = [length, angle, speed].iter().all(|number| number.is_finite()) && span.is_finite();
+            let is_turn_in_a_curve = distance == 0.0 && angle != 0.0;
+            if !(handle == DRIVE_HANDLE && state.has_drive && is_arc) || is_turn_in_a_curve {
                 return -1;
             }
-            let span = f64::from(distance.abs()) / f64::from(speed);
             state.motion.drive(state.now_us, length.into(), angle.into(), span);
             0
         })
