@@ -199,10 +199,40 @@ fn killed_task_releases_its_resources() {
         holder.kill(robot)?;
         assert_eq!(*value.lock(robot), 7, "the killed task has released its lock");
         assert!(holder.ready(robot).is_err(), "it has ended");
-        unready.kill(robot)
+        assert!(holder.kill(robot).is_err(), "it has ended");
+        unready.kill(robot)?;
+        assert!(unready.kill(robot).is_err(), "it has ended");
+        Ok(())
     });
     run.expect_finished();
     assert_eq!(dropped.load(Ordering::Relaxed), 3, "including that of the task that still waits when `main` ends");
+}
+
+#[test]
+fn suspended_task_continues_after_both_its_wait_and_its_suspension() {
+    let run = Fake::new().run(|robot| -> Result {
+        let tasks = robot.multi_tasking(TaskMode::Cooperative)?;
+        let gate = tasks.semaphore(0)?;
+        let to_pass = gate.clone();
+        let task = tasks.spawn("waits", Priority::P4, move |robot: &Robot| -> Result {
+            to_pass.wait(robot);
+            writeln!(robot.console(), "passed");
+            robot.tasks().sleep(100.millis())?;
+            writeln!(robot.console(), "awake");
+            Ok(())
+        })?;
+        task.run(robot)?;
+        task.suspend(robot)?;
+        gate.signal(robot);
+        tasks.sleep(100.millis())?;
+        writeln!(robot.console(), "made ready");
+        task.run(robot)?;
+        task.suspend(robot)?;
+        task.run(robot)?;
+        writeln!(robot.console(), "still asleep");
+        tasks.sleep(200.millis())
+    });
+    assert_eq!(lines(&run.expect_finished()), ["made ready", "passed", "still asleep", "awake"]);
 }
 
 #[test]
@@ -282,6 +312,7 @@ fn without_multi_tasking_there_are_no_tasks() {
         assert_eq!(robot.tasks().mode(), None);
         assert!(robot.tasks().spawn("early", Priority::P1, |_: &Robot| ()).is_err());
         assert!(robot.tasks().reschedule().is_err());
+        assert!(robot.tasks().suspend_self().is_err());
         robot.multi_tasking(TaskMode::Preemptive)?;
         assert!(robot.multi_tasking(TaskMode::Preemptive).is_err(), "only once");
         Ok(())

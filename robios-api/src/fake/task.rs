@@ -58,6 +58,8 @@ struct TaskEntry {
     uid: i32,
     code: Callback,
     status: Status,
+    /// The task does not run until it is made ready, also after its sleep or its wait.
+    is_suspended: bool,
     /// Order of becoming ready: lower is earlier.
     ready_order: u64,
     has_begun: bool,
@@ -68,7 +70,6 @@ struct TaskEntry {
 #[derive(Clone, Copy, PartialEq)]
 enum Status {
     Ready,
-    Suspended,
     AsleepUntil(u64),
     AtSemaphore(usize),
     Ended,
@@ -87,6 +88,7 @@ impl TaskTable {
             uid: 0,
             code: Callback::NONE,
             status: Status::Ready,
+            is_suspended: false,
             ready_order: 0,
             has_begun: true,
             killer: None,
@@ -138,7 +140,8 @@ impl TaskTable {
 
     /// The ready task of the highest priority; ties go to the one that has been ready longest.
     fn next(&self) -> Option<usize> {
-        let ready = self.entries.iter().enumerate().filter(|(_, task)| task.status == Status::Ready);
+        let is_ready = |task: &TaskEntry| task.status == Status::Ready && !task.is_suspended;
+        let ready = self.entries.iter().enumerate().filter(|(_, task)| is_ready(task));
         ready.min_by_key(|(_, task)| (-task.priority, task.ready_order)).map(|(index, _)| index)
     }
 
@@ -363,7 +366,8 @@ impl FakeRobot {
                 priority,
                 uid,
                 code,
-                status: Status::Suspended,
+                status: Status::Ready,
+                is_suspended: true,
                 ready_order: 0,
                 has_begun: false,
                 killer: None,
@@ -375,7 +379,8 @@ impl FakeRobot {
     pub(super) fn ready_task(&self, number: i32) -> Result<i32, Stop> {
         let code = self.act(|state| match state.tasks.index(number) {
             Some(task) if state.tasks.mode.is_some() => {
-                if matches!(state.tasks.entries[task].status, Status::Suspended | Status::AsleepUntil(_)) {
+                let entry = &mut state.tasks.entries[task];
+                if std::mem::take(&mut entry.is_suspended) && entry.status == Status::Ready {
                     state.tasks.make_ready(task);
                 }
                 0
@@ -392,17 +397,15 @@ impl FakeRobot {
             Running,
             Other,
         }
-        let target = self.act(|state| match state.tasks.index(number) {
-            Some(task) if task == state.tasks.current && state.tasks.mode.is_some() => Target::Running,
-            Some(task) if !matches!(state.tasks.entries[task].status, Status::AtSemaphore(_)) => {
-                state.tasks.entries[task].status = Status::Suspended;
-                Target::Other
-            }
-            _ => Target::None,
+        let target = self.act(|state| {
+            let task = state.tasks.index(number).filter(|_| state.tasks.mode.is_some());
+            let Some(task) = task else { return Target::None };
+            state.tasks.entries[task].is_suspended = true;
+            if task == state.tasks.current { Target::Running } else { Target::Other }
         })?;
         match target {
             Target::None => return Ok(-1),
-            Target::Running => self.block(name, Status::Suspended)?,
+            Target::Running => self.block(name, Status::Ready)?,
             Target::Other => {}
         }
         Ok(0)
@@ -435,6 +438,7 @@ impl FakeRobot {
     pub(super) fn kill_task(&self, number: i32) -> Result<i32, Stop> {
         enum Target {
             None,
+            NotBegun,
             Running,
             Other(usize),
         }
@@ -444,13 +448,14 @@ impl FakeRobot {
             state.tasks.semaphores.iter_mut().for_each(|semaphore| semaphore.waiting.retain(|waiter| *waiter != task));
             if !state.tasks.entries[task].has_begun {
                 state.tasks.entries[task].status = Status::Ended;
-                return Target::None;
+                return Target::NotBegun;
             }
             state.tasks.entries[task].killer = Some(current);
             if task == current { Target::Running } else { Target::Other(task) }
         })?;
         match target {
-            Target::None => Ok(if self.state.borrow().tasks.index(number).is_some() { -1 } else { 0 }),
+            Target::None => Ok(-1),
+            Target::NotBegun => Ok(0),
             Target::Running => Err(Stop),
             Target::Other(task) => {
                 self.switch(task)?;
