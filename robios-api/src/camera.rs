@@ -1,5 +1,7 @@
 //! The camera of RoBIOS 6: images of 80 x 60 pixels.
 
+use std::cell::Cell;
+
 use robios_sys::ByteBuffer;
 use robios_sys::robios6::{
     AUTOBRIGHTNESS, FPS0_9375, FPS0_46875, FPS1_875, FPS3_75, FPS7_5, FPS15, FPS30, FPS60, INITERROR, NOAUTOBRIGHTNESS,
@@ -19,6 +21,8 @@ use crate::{Error, Result, Robot};
 #[derive(Debug)]
 pub struct Camera {
     robot: Robot,
+    /// Size of the last image.
+    last_size: Cell<ImageSize>,
 }
 
 /// Angle of view.
@@ -99,7 +103,11 @@ impl Robot {
             CameraLens::Tele => TELE,
         };
         let version: i32 = robios!(self, CAMInit(mode));
-        if version >= INITERROR { Err(Error::Unavailable(Device::Camera)) } else { Ok(Camera { robot: self.clone() }) }
+        if version >= INITERROR {
+            Err(Error::Unavailable(Device::Camera))
+        } else {
+            Ok(Camera { robot: self.clone(), last_size: Cell::new(Camera::SIZE) })
+        }
     }
 }
 
@@ -119,6 +127,7 @@ impl Camera {
     pub fn gray(&self) -> Result<GrayImage> {
         let mut frame = [0; 4800];
         checked("CAMGetFrameMono", Device::Camera, robios!(&self.robot, CAMGetFrameMono(&mut frame)))?;
+        self.last_size.set(Self::SIZE);
         Ok(GrayImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
@@ -127,6 +136,7 @@ impl Camera {
     pub fn color(&self) -> Result<ColorImage> {
         let mut frame = [0; 14400];
         checked("CAMGetFrameColor", Device::Camera, robios!(&self.robot, CAMGetFrameColor(&mut frame)))?;
+        self.last_size.set(Self::SIZE);
         Ok(ColorImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
@@ -136,6 +146,7 @@ impl Camera {
     pub fn bayer(&self) -> Result<GrayImage> {
         let mut frame = [0; 19200];
         checked("CAMGetFrameBayer", Device::Camera, robios!(&self.robot, CAMGetFrameBayer(&mut frame)))?;
+        self.last_size.set(Self::BAYER_SIZE);
         Ok(GrayImage { size: Self::BAYER_SIZE, bytes: frame.to_vec() })
     }
 
@@ -185,19 +196,21 @@ impl Camera {
     /// Depths of the last image, without noise. An extension of this simulator.
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
-        let mut mm = vec![f32::INFINITY; Self::SIZE.pixels()];
+        let size = self.last_size.get();
+        let mut mm = vec![f32::INFINITY; size.pixels()];
         let buffer = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
         checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(buffer)))?;
-        Ok(DepthImage { size: Self::SIZE, mm })
+        Ok(DepthImage { size, mm })
     }
 
     /// Labels of the last image. An extension of this simulator.
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
-        let mut numbers = vec![0; Self::SIZE.pixels()];
+        let size = self.last_size.get();
+        let mut numbers = vec![0; size.pixels()];
         let buffer = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
         checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(buffer)))?;
-        Ok(LabelImage { size: Self::SIZE, numbers })
+        Ok(LabelImage { size, numbers })
     }
 }
 
@@ -232,8 +245,11 @@ mod tests {
                     [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| bayer.pixel(Pixel { x: 100 + x, y: 50 + y }));
                 // First row green and blue, second row red and green.
                 assert_eq!(filtered, [Some(50), Some(30), Some(100), Some(51)]);
-                assert_eq!(camera.depth()?.distance(Pixel { x: 1, y: 1 }), Some(Length::metres(1.5)));
-                assert_eq!(camera.labels()?.seen(Pixel { x: 1, y: 1 }), Some(Seen::Floor));
+                let at = Pixel { x: 159, y: 119 };
+                assert_eq!(camera.depth()?.distance(at), Some(Length::metres(1.5)), "of the Bayer image");
+                assert_eq!(camera.labels()?.seen(at), Some(Seen::Floor));
+                camera.gray()?;
+                assert_eq!((camera.depth()?.size(), camera.labels()?.size()), (Camera::SIZE, Camera::SIZE));
                 Ok::<_, Error>(())
             })
             .expect_finished();

@@ -26,8 +26,8 @@ pub(super) struct CameraState {
     pub size: ImageSize,
     /// The parameters of the last `CAMSet`.
     pub parameters: [i32; 3],
-    /// Time of the last image.
-    taken_us: Option<u64>,
+    /// Time and size of the last image.
+    taken: Option<(u64, ImageSize)>,
 }
 
 impl Fake {
@@ -54,7 +54,7 @@ impl FakeRobot {
     /// Switches the camera on; returns false if the robot has none.
     pub(super) fn switch_camera_on(&self, state: &mut State, size: ImageSize) -> bool {
         let has_camera = self.fake.camera.color.is_some();
-        state.camera = has_camera.then_some(CameraState { size, parameters: [128; 3], taken_us: None });
+        state.camera = has_camera.then_some(CameraState { size, parameters: [128; 3], taken: None });
         has_camera
     }
 
@@ -63,8 +63,8 @@ impl FakeRobot {
     pub(super) fn colors(&self, state: &mut State, size: Option<ImageSize>) -> Option<Vec<u8>> {
         let (script, now_us) = (self.fake.camera.color.as_ref()?, state.now_us);
         let camera = state.camera.as_mut()?;
-        camera.taken_us = Some(now_us);
         let size = size.unwrap_or(camera.size);
+        camera.taken = Some((now_us, size));
         let moment = state.moment(now_us);
         let rgb = |pixel| {
             let Color { red, green, blue } = script(&moment, pixel);
@@ -80,17 +80,17 @@ impl FakeRobot {
 
     /// Depths of the last image, in millimetres.
     pub(super) fn depths(&self, state: &State) -> Option<Vec<f32>> {
-        let (script, camera) = (self.fake.camera.depth.as_ref()?, state.camera?);
-        let moment = state.moment(camera.taken_us?);
+        let (script, (taken_us, size)) = (self.fake.camera.depth.as_ref()?, state.camera?.taken?);
+        let moment = state.moment(taken_us);
         let mm = |pixel| script(&moment, pixel).map_or(f32::INFINITY, |distance| distance.as_millimetres() as f32);
-        Some(camera.size.places().map(mm).collect())
+        Some(size.places().map(mm).collect())
     }
 
     /// Label numbers of the last image.
     pub(super) fn labels(&self, state: &State) -> Option<Vec<i32>> {
-        let (script, camera) = (self.fake.camera.labels.as_ref()?, state.camera?);
-        let moment = state.moment(camera.taken_us?);
-        Some(camera.size.places().map(|pixel| script(&moment, pixel).number()).collect())
+        let (script, (taken_us, size)) = (self.fake.camera.labels.as_ref()?, state.camera?.taken?);
+        let moment = state.moment(taken_us);
+        Some(size.places().map(|pixel| script(&moment, pixel).number()).collect())
     }
 }
 
