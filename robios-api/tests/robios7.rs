@@ -90,7 +90,9 @@ fn errors_name_missing_devices() {
     let error = failed(|robot| robot.lidar().scan().map(|_| ()));
     assert_eq!(error, "`LIDARGet` was refused for the laser scanner with 1");
     let error = failed(|robot| robot.lidar().set(400.degrees(), 0.degrees(), 100));
-    assert!(error.contains("`400° in 100 points`"), "{error}");
+    assert!(error.contains("`400° in 100 points, tilted by 0°`"), "{error}");
+    let error = failed(|robot| robot.lidar().set(90.degrees(), 91.degrees(), 100));
+    assert!(error.contains("tilted by 91°"), "{error}");
     let error = failed(|robot| robot.every(1.5.millis(), |_| ()).map(|_| ()));
     assert!(error.contains("multiples of 1 ms"), "{error}");
     let error = failed(|robot| robot.motor(1).start_control(MotorGains { p: 1, i: 2, d: 3 }));

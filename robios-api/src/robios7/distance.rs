@@ -1,6 +1,7 @@
 //! Distance sensors: PSD sensors, which measure on request, and the laser scanner.
 
 use robios_sys::ByteBuffer;
+use robios_sys::robios7::MAX_LIDAR_POINTS;
 
 use super::Robot;
 use crate::device::Device;
@@ -74,7 +75,8 @@ impl Robot {
         if distance_mm == 0 { Err(Error::Unavailable(at.device())) } else { Ok(Psd { robot: self, at }) }
     }
 
-    /// The laser scanner: 360 points all around, unless changed by [`Lidar::set`].
+    /// The laser scanner: all around, with the points of the robi file, unless changed by [`Lidar::set`]. For a robi file
+    /// with another range, call [`Lidar::set`].
     pub fn lidar(&self) -> Lidar<'_> {
         Lidar(self)
     }
@@ -111,21 +113,19 @@ impl Lidar<'_> {
     /// tilt of the scanner; `points` is the number of points, at most 65,535.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an angle outside 1 to 360 degrees, or no points.
+    /// [`Error::OutOfRange`] for a range outside 1 to 360 degrees, a tilt outside -90 to 90 degrees, or no points.
     #[track_caller]
     pub fn set(&self, range: Angle, tilt: Angle, points: u16) -> Result {
-        let range_deg = range.to_robios7();
-        let Some(whole_range_deg) =
-            u16::try_from(range_deg).ok().filter(|range| (1..=360).contains(range) && points > 0)
-        else {
+        let (range_deg, tilt_deg) = (range.to_robios7(), tilt.to_robios7());
+        if !(1..=360).contains(&range_deg) || !(-90..=90).contains(&tilt_deg) || points == 0 {
             return Err(Error::OutOfRange {
                 what: "setting of a scan",
-                value: format!("{range:.0} in {points} points"),
-                accepted: "1 to 360 degrees in 1 to 65535 points",
+                value: format!("{range:.0} in {points} points, tilted by {tilt:.0}"),
+                accepted: "1 to 360 degrees in 1 to 65535 points, tilted by -90 to 90 degrees",
             });
-        };
-        let () = robios7!(self.0, LIDARSet(range_deg, tilt.to_robios7(), points.into()));
-        self.0.settings().scan.set((whole_range_deg, points));
+        }
+        let () = robios7!(self.0, LIDARSet(range_deg, tilt_deg, points.into()));
+        self.0.settings().scan_range_deg.set(range_deg);
         Ok(())
     }
 
@@ -135,14 +135,17 @@ impl Lidar<'_> {
     /// [`Error::Refused`] if the robot has no scanner.
     #[track_caller]
     pub fn scan(&self) -> Result<Scan> {
-        let (range_deg, points) = self.0.settings().scan.get();
-        let mut distances_mm = vec![0_i32; points.into()];
+        let range_deg = self.0.settings().scan_range_deg.get();
+        // The scanner sets as many distances as it has points; none is negative.
+        let mut distances_mm = vec![-1_i32; MAX_LIDAR_POINTS];
         let buffer = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
         checked("LIDARGet", Device::Lidar, robios7!(self.0, LIDARGet(buffer)))?;
+        let points = distances_mm.iter().position(|mm| *mm < 0).unwrap_or(MAX_LIDAR_POINTS);
+        distances_mm.truncate(points);
         let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
         Ok(Scan {
             distances: distances_mm.into_iter().map(within_range).collect(),
-            spacing: Angle::degrees(f64::from(range_deg) / f64::from(spacings.max(1))),
+            spacing: Angle::degrees(f64::from(range_deg) / spacings.max(1) as f64),
         })
     }
 }

@@ -17,13 +17,13 @@ pub struct Robot(pub(crate) crate::Robot);
 pub(crate) struct DeviceSettings {
     /// True if the last drive was a turn on the spot.
     pub is_turning: Cell<bool>,
-    /// Setting of the laser scanner: angle in degrees, and number of points.
-    pub scan: Cell<(u16, u16)>,
+    /// Range of the laser scanner, in degrees.
+    pub scan_range_deg: Cell<i32>,
 }
 
 impl Default for DeviceSettings {
     fn default() -> Self {
-        Self { is_turning: Cell::new(false), scan: Cell::new((360, 360)) }
+        Self { is_turning: Cell::new(false), scan_range_deg: Cell::new(360) }
     }
 }
 
