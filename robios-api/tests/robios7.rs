@@ -128,6 +128,14 @@ fn scan_goes_from_left_to_right_with_its_middle_straight_ahead() {
 }
 
 #[test]
+fn psd_sensor_may_touch_an_obstacle() {
+    run(Fake::new().psd(PsdAt::Front, |_| Some(Length::ZERO)), |robot| {
+        assert_eq!(robot.psd(PsdAt::Front)?.distance(), Some(Length::ZERO));
+        Ok(())
+    });
+}
+
+#[test]
 fn keys_touches_and_colours_follow_the_script() {
     let fake = Fake::new()
         .key(1.seconds(), Key::Key2)

@@ -18,9 +18,9 @@ const TICK_US: u64 = 1_000;
 /// Reading of a sensor with nothing in range, in millimetres.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
-/// Value of a sensor in whole millimetres, at least 1: a value of 0 would mean that the robot has no such sensor.
+/// Value of a sensor in whole millimetres.
 fn millimetres(distance: Option<Length>) -> i32 {
-    distance.map_or(OUT_OF_RANGE_MM, |distance| (distance.as_millimetres().round() as i32).clamp(1, OUT_OF_RANGE_MM))
+    distance.map_or(OUT_OF_RANGE_MM, |distance| (distance.as_millimetres().round() as i32).clamp(0, OUT_OF_RANGE_MM))
 }
 
 /// Converts a pose to whole millimetres and degrees, with the heading from -180 to 180.

@@ -71,8 +71,10 @@ impl Robot {
     /// [`Error::Unavailable`] if the robot has no such sensor.
     #[track_caller]
     pub fn psd(&self, at: PsdAt) -> Result<Psd<'_>> {
+        let psd = Psd { robot: self, at };
         let distance_mm: i32 = robios7!(self, PSDGet(at.number().into()));
-        if distance_mm == 0 { Err(Error::Unavailable(at.device())) } else { Ok(Psd { robot: self, at }) }
+        // 0 also means an obstacle right at the sensor.
+        if distance_mm == 0 && psd.signal().is_none() { Err(Error::Unavailable(at.device())) } else { Ok(psd) }
     }
 
     /// The laser scanner: all around, with the points of the robi file, unless changed by [`Lidar::set`]. For a robi file
