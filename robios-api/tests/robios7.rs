@@ -2,7 +2,7 @@
 
 use robios_api::fake::Fake;
 use robios_api::robios7::prelude::*;
-use robios_api::robios7::{ColorImage, ImageSize, MotorGains};
+use robios_api::robios7::{ColorImage, Direction, ImageSize, MotorGains};
 use robios_api::{Frequency, Position, Ratio, Remaining};
 
 /// Runs a program that must return without an error.
@@ -174,6 +174,8 @@ fn motors_encoders_lines_and_the_clock_work() {
         assert_eq!(robot.simulation().own_pose().position.y, 0.metres());
         assert_eq!(robot.simulation().robots().count(), 1);
         let ports = robot.ports();
+        assert!(ports.set(3, true).is_err(), "it is an input");
+        ports.set_direction(3, Direction::Out)?;
         ports.set(3, true)?;
         assert_eq!((ports.is_high(3)?, ports.is_high(4)?, ports.lines()), (true, false, 0b100));
         assert!(ports.is_high(17).is_err());

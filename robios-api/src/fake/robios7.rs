@@ -603,8 +603,17 @@ impl Robios7 for FakeRobot {
         self.act(|_| 0)
     }
 
-    fn DIGITALSetup(&self, io: i32, _: Char) -> Result<i32, Stop> {
-        self.act(|_| i32::from(!(1..=16).contains(&io)))
+    fn DIGITALSetup(&self, io: i32, direction: Char) -> Result<i32, Stop> {
+        self.act(|state| {
+            if !(1..=16).contains(&io) {
+                return 1;
+            }
+            let line = 1 << (io - 1);
+            // An output is low at first.
+            state.lines &= !line;
+            state.outputs = if direction == b'o' { state.outputs | line } else { state.outputs & !line };
+            0
+        })
     }
 
     fn DIGITALRead(&self, io: i32) -> Result<i32, Stop> {
@@ -617,7 +626,7 @@ impl Robios7 for FakeRobot {
 
     fn DIGITALWrite(&self, io: i32, value: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            if !(1..=16).contains(&io) {
+            if !(1..=16).contains(&io) || state.outputs & (1 << (io - 1)) == 0 {
                 return 1;
             }
             let line = 1 << (io - 1);

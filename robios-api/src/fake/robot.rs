@@ -69,6 +69,8 @@ pub(super) struct State {
     pub tasks: TaskTable,
     /// The digital lines, line 1 in the lowest bit.
     pub lines: i32,
+    /// The lines that are outputs.
+    pub outputs: i32,
     pub is_compass_ready: bool,
     pub timers: Vec<TimerEntry>,
     pub next_timer: i32,
@@ -133,6 +135,7 @@ impl FakeRobot {
             radio: RadioState::new(&mut fake),
             tasks: TaskTable::new(),
             lines: 0,
+            outputs: 0,
             is_compass_ready: false,
             timers: Vec::new(),
             next_timer: 1,
