@@ -153,6 +153,8 @@ fn keys_touches_and_colours_follow_the_script() {
         lcd.set_pixel(touched, Color::ORANGE);
         assert_eq!(lcd.pixel(touched), Color::rgb(255, 165, 0));
         robot.wait_for_key(Key::Key3);
+        lcd.move_cursor(20, 0)?;
+        write!(lcd.at(2, 40), "beside the display")?;
         write!(lcd.at(2, 3), "at {:.0} s", robot.now().as_secs_f64())
     });
     assert_eq!(run.lcd_line(2), "   at 4 s");

@@ -92,10 +92,9 @@ impl Robios7 for FakeRobot {
 
     fn LCDSetPrintf(&self, row: i32, column: i32, text: Option<&[u8]>) -> Result<i32, Stop> {
         self.act(|state| {
-            if !state.lcd.move_cursor(row, column) {
-                return 1;
+            if state.lcd.move_cursor(row, column) {
+                state.lcd.write(text.unwrap_or_default());
             }
-            state.lcd.write(text.unwrap_or_default());
             0
         })
     }
@@ -109,7 +108,8 @@ impl Robios7 for FakeRobot {
     }
 
     fn LCDSetPos(&self, row: i32, column: i32) -> Result<i32, Stop> {
-        self.act(|state| if state.lcd.move_cursor(row, column) { 0 } else { 1 })
+        self.act(|state| state.lcd.move_cursor(row, column))?;
+        Ok(0)
     }
 
     fn LCDGetPos(&self, row: &mut Out<i32>, column: &mut Out<i32>) -> Result<i32, Stop> {

@@ -177,10 +177,11 @@ impl<'r> Lcd<'r> {
         LcdPlace { robot: self.0, row, column }
     }
 
-    /// Moves the cursor: row and column of characters, from 0 at the top left.
+    /// Moves the cursor: row and column of characters, from 0 at the top left. The simulator gives a hint at a position
+    /// that is not on the display.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the position.
     #[track_caller]
     pub fn move_cursor(&self, row: u8, column: u8) -> Result {
         checked("LCDSetPos", Device::Lcd, robios7!(self.0, LCDSetPos(row.into(), column.into())))
@@ -352,10 +353,11 @@ impl<'r> Lcd<'r> {
 }
 
 impl LcdPlace<'_> {
-    /// Writes formatted text at the position; called by `write!` and `writeln!`.
+    /// Writes formatted text at the position; called by `write!` and `writeln!`. The simulator gives a hint at a position
+    /// that is not on the display.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the position is not on the display.
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the position.
     #[track_caller]
     pub fn write_fmt(&self, text: Arguments<'_>) -> Result {
         let text = text.to_string();
