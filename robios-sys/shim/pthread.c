@@ -877,6 +877,9 @@ static int acquire_to_write(const void *site, pthread_rwlock_t *lock, int64_t de
     lock->__data.__writers++;
     is_woken = wait_for(writers_of(lock), RWLOCK, lock->__data.__cur_writer, deadline);
     lock->__data.__writers--;
+    /* Readers that waited for this writer now share the lock with those that hold it. */
+    if (is_woken <= 0 && lock->__data.__cur_writer == 0 && lock->__data.__writers == 0)
+        lock->__data.__readers += (unsigned)wake_all(lock);
     if (is_woken < 0)
         cancel_self();
     return is_woken ? 0 : ETIMEDOUT;

@@ -489,6 +489,47 @@ int main(void) {
 }
 
 #[test]
+fn readers_continue_when_the_preferred_writer_gives_up() {
+    let lines = output_of(
+        "
+static pthread_rwlock_t lock;
+static void *read_it(void *p) {
+    pthread_rwlock_rdlock(&lock);
+    printf(\"reads at %d\\n\", OSGetCount());
+    pthread_rwlock_unlock(&lock);
+    return p;
+}
+static void *write_it(void *p) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 100000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    if (pthread_rwlock_timedwrlock(&lock, &until) == ETIMEDOUT)
+        printf(\"gives up at %d\\n\", OSGetCount());
+    return p;
+}
+int main(void) {
+    pthread_t writer, reader;
+    pthread_rwlockattr_t kind;
+    pthread_rwlockattr_init(&kind);
+    pthread_rwlockattr_setkind_np(&kind, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+    pthread_rwlock_init(&lock, &kind);
+    pthread_rwlock_rdlock(&lock);
+    pthread_create(&writer, NULL, write_it, NULL);
+    pthread_create(&reader, NULL, read_it, NULL);
+    OSWait(50);
+    pthread_rwlock_unlock(&lock);
+    pthread_join(writer, NULL);
+    pthread_join(reader, NULL);
+    return pthread_rwlock_trywrlock(&lock);
+}
+",
+    );
+    assert_eq!(lines, ["gives up at 10", "reads at 10"]);
+}
+
+#[test]
 fn a_deadlock_is_reported_with_the_waiting_tasks() {
     let (ran, report) = run_one(
         "static pthread_mutex_t a = PTHREAD_MUTEX_INITIALIZER, b = PTHREAD_MUTEX_INITIALIZER;
