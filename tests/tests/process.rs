@@ -1,6 +1,5 @@
 //! Programs in separate processes: digests equal those on threads, and a crash ends only its own robot.
 
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -306,11 +305,9 @@ fn kill(signal: &str, pid: u32) {
 /// Waits until the processes have ended.
 fn assert_gone(pids: &[u32]) {
     let deadline = Instant::now() + Duration::from_secs(20);
-    while let Some(pid) = pids.iter().find(|pid| Path::new(&format!("/proc/{pid}")).exists()) {
-        // A process whose parent was killed may remain as a zombie until init collects it.
-        if stat(*pid).is_none_or(|(state, _)| state == 'Z') {
-            return;
-        }
+    // A process whose parent was killed may remain as a zombie until init collects it.
+    let is_running = |pid: &&u32| stat(**pid).is_some_and(|(state, _)| state != 'Z');
+    while let Some(pid) = pids.iter().find(is_running) {
         assert!(Instant::now() < deadline, "process {pid} is left");
         std::thread::sleep(Duration::from_millis(20));
     }
