@@ -348,10 +348,10 @@ fn drives_miss_their_targets_within_the_bounds_of_a_course_and_odometry_tells_it
     assert_ne!(run(&["--noise", "course", "--seed", "2"]).0, first);
     assert_ne!(first, exact);
     assert_eq!(run(&["--noise", "course", "--seed", "1", "--slot", "7"]).0, first, "for every slot length");
-    // The sides of a pentagon have errors of at most 4 mm, and their directions of at most 2, 4, 6 and 8 degrees: 5 * 4
-    // + 300 * sin(2 + 4 + 6 + 8).
+    // The sides of a pentagon have errors of at most 4 mm, and their directions of at most 2, 4, 6 and 8 degrees. A side
+    // of 300 mm whose direction is wrong by an angle ends at most 300 mm times this angle beside its end.
     let off = |what: &str| (number(&robot, &format!("{what}.x_m")), number(&robot, &format!("{what}.y_m")));
     let ((x, y), (odometry_x, odometry_y)) = (off("pose"), off("odometry"));
-    assert!((x - 2.0).hypot(y - 2.0) < 0.02 + 0.3 * 20_f64.to_radians().sin(), "{robot:#}");
+    assert!((x - 2.0).hypot(y - 2.0) < 0.02 + 0.3 * 20_f64.to_radians(), "{robot:#}");
     assert!((x - 2.0 - odometry_x).hypot(y - 2.0 - odometry_y) < 1e-9, "{robot:#}");
 }
