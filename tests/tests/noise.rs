@@ -25,7 +25,7 @@ int main(int argc, char *argv[])
   PSDStart(front | left | sonar, TRUE);
   VWSetSpeed(vw, 0.15, 0.5);
   for (cycle = 1; cycle <= 40; cycle++) {
-    /* Into the middle of a cycle of the PSDs, away from the ends of the compass's. */
+    /* Waits until the middle of a PSD cycle, away from the ends of the compass's cycles. */
     OSWait(30 * cycle + 3 - OSGetCount());
     for (time = 0; time < often; time++)
       for (i = 0; i < 4; i++) {

@@ -158,7 +158,7 @@ int main(void)
     memset(text, 'y', sizeof text);
     IS(RADIOReceive(NULL, text, 4), 0);
     IS(memcmp(text, "hel\0y", 5), 0);
-    /* Both answer to what goes to everybody. */
+    /* Both robots answer a broadcast. */
     IS(RADIOReceive(&id, text, 1), 0);
     IS(memcmp(text, "\0el", 3), 0);
     IS(RADIOReceive(&id, text, 100), 0);

@@ -147,13 +147,13 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
             OSWait(1000);
             printf(\"%d ms, %d ticks\\n\", OSGetCount() - start, ticks);
             OSDetachTimer(timer);
-            /* A callback that takes 1 ms lets every other tick pass. */
+            /* A callback that takes 1 ms: the timer skips every other tick. */
             ticks = 0;
             start = OSGetCount();
             timer = OSAttachTimer(1, look);
             OSWait(1000);
             printf(\"%d ms, %d ticks\\n\", OSGetCount() - start, ticks);
-            /* A call's own work goes on between them. */
+            /* A call's own work makes progress between the callbacks. */
             start = OSGetCount();
             LCDClear();
             CAMGetGray(NULL);
@@ -283,7 +283,7 @@ fn robots_see_files_of_others_from_the_next_slot_on() {
             OSWait(100);
             printf(\"%d \", IPReadFile(name, image));
             printf(\"%d\\n\", image[0]);
-            /* Both write one file: the later one stays. */
+            /* Both robots write the same file: the later content remains. */
             OSWait(me);
             image[0] = (BYTE)me;
             IPWriteFileGray(\"both.pgm\", image);
