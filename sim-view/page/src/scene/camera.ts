@@ -283,7 +283,7 @@ export class ViewCamera {
     this.camera.position.y += pose.y_m;
     if (robot.camera) this.mountRotation.set(...robot.camera.mount.rotation);
     else this.mountRotation.identity();
-    this.camera.quaternion.copy(this.heading).multiply(this.mountRotation).multiply(OPTICAL_FROM_ROBOT);
+    this.camera.quaternion.copy(this.heading).multiply(this.mountRotation).multiply(ROBOT_FROM_OPTICAL);
     const [, vertical] = this.fovFor(robot);
     if (this.camera.fov !== vertical) {
       this.camera.fov = vertical;
@@ -324,6 +324,6 @@ function orbitPoseOf(from: THREE.Vector3, target: THREE.Vector3): OrbitPose {
 
 const UP = new THREE.Vector3(0, 0, 1);
 /** Rotation from the camera of three.js (looks along -z, y up) to the robot's (looks along x, z up). */
-const OPTICAL_FROM_ROBOT = new THREE.Quaternion().setFromRotationMatrix(
+const ROBOT_FROM_OPTICAL = new THREE.Quaternion().setFromRotationMatrix(
   new THREE.Matrix4().makeBasis(new THREE.Vector3(0, -1, 0), new THREE.Vector3(0, 0, 1), new THREE.Vector3(-1, 0, 0)),
 );
