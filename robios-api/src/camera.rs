@@ -168,7 +168,7 @@ impl Camera {
             return Err(Error::OutOfRange {
                 what: "setting of the camera",
                 value: format!("{brightness}, 0, 0"),
-                accepted: "a brightness above 7, or another number than 0 behind it",
+                accepted: "a brightness above 7, or another value that is not 0",
             });
         }
         let numbers = [brightness, hue_or_offset, saturation_or_contrast].map(i32::from);

@@ -11,7 +11,7 @@ pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// The robot has no such device, or the device is in use, for example a motor by the driving interface.
-    #[error("the robot has no {0}, or it is in use already (the robi file lists what there is)")]
+    #[error("the robot has no {0}, or it is in use already (the robi file lists its devices)")]
     Unavailable(Device),
     /// RoBIOS refused the call.
     #[error("`{call}` was refused for the {device} with {code}")]

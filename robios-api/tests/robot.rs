@@ -15,7 +15,7 @@ fn errors_name_the_device_and_the_call() {
     let run = Fake::new().run(|robot| robot.psd(PsdAt::Back).map(|_| ()));
     assert_eq!(
         run.expect_failed(),
-        "the robot has no PSD sensor `PsdAt::Back` (`PSD_BACK`), or it is in use already (the robi file lists what there is)"
+        "the robot has no PSD sensor `PsdAt::Back` (`PSD_BACK`), or it is in use already (the robi file lists its devices)"
     );
     let run = Fake::new().run(|robot| {
         robot.drive()?.straight(1.metres(), 0.metres_per_second())?;

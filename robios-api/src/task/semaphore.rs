@@ -13,7 +13,7 @@ pub struct Semaphore {
 
 /// Permit taken from a semaphore; dropping it returns the permit.
 #[derive(Debug)]
-#[must_use = "the semaphore is passed only while it lives"]
+#[must_use = "dropping the permit returns it immediately"]
 pub struct Permit<'a> {
     robot: &'a Robot,
     number: robios_sys::robios6::Semaphore,
