@@ -21,7 +21,7 @@ pub struct Malformed;
 
 impl std::fmt::Display for Malformed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("a message that makes no sense")
+        f.write_str("an invalid message")
     }
 }
 

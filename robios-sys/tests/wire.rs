@@ -175,7 +175,7 @@ fn a_function_is_called_back_and_a_stop_writes_nothing() {
         assert_eq!((TABLE.OSAttachTimer)(context(&robot), 1, Callback::NONE, &mut result), Status::OK);
         assert_eq!((result, counter), (0, 1));
         assert_eq!((TABLE.OSWait)(context(&robot), 1, &mut result), Status::STOP);
-        assert_eq!((TABLE.OSWait)(null_mut(), 1, &mut result), Status::STOP, "no line");
+        assert_eq!((TABLE.OSWait)(null_mut(), 1, &mut result), Status::STOP, "no connection");
     }
     assert_eq!(result, 0);
 }

@@ -189,7 +189,7 @@ const HOSTILE: &[(&str, &str, &str)] = &[
     (
         "own turn page forged",
         "for (int f = 3; f < 9; f++) { unsigned *p = mmap(0, 4096, 3, MAP_SHARED, f, 0); if (p != MAP_FAILED) { p[3] = 0xffffff; p[4] = 0xffffffff; p[2] = 1; for (;;) ; } } return 1;",
-        "makes no sense",
+        "an invalid message",
     ),
     ("clock asked", "struct timespec t; syscall(SYS_clock_gettime, 0, &t); return 0;", ""),
     ("escapes", "write(2, \"\\x1b[2J<script>\", 12);", ""),

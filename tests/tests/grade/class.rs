@@ -386,7 +386,7 @@ fn attackers(add: Add<'_>, folder: &Path) {
         "OSWait(10); for (int f = 3; f < 9; f++) { unsigned *p = mmap(0, 4096, 3, MAP_SHARED, f, 0); if (p != MAP_FAILED) {\n\
          p[3] = 0xffffff; p[4] = 0xffffffff; p[2] = 1; for (;;); } }",
         "failed",
-        "makes no sense",
+        "an invalid message",
     );
     file(
         "other-page",

@@ -102,7 +102,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         "stack",
         "array overrun far",
         "overrun(6000);",
-        &["beyond the top of its stack", "segmentation fault", "makes no sense"],
+        &["beyond the top of its stack", "segmentation fault", "an invalid message"],
     ),
     ("stack", "array overrun, protected", "smash(24);", &["stack smashed"]),
     ("stack", "array overrun far, protected", "smash(600);", &["stack smashed"]),
@@ -110,7 +110,7 @@ const BODIES: &[(&str, &str, &str, &[&str])] = &[
         "stack",
         "array overrun into the host, protected",
         "smash(6000);",
-        &["beyond the top of its stack", "stack smashed", "makes no sense", "has overwritten"],
+        &["beyond the top of its stack", "stack smashed", "an invalid message", "has overwritten"],
     ),
     (
         "stack",

@@ -299,7 +299,7 @@ impl Child {
 
     /// Abandons a child that has sent a malformed message.
     pub fn malformed(&self) -> Failure {
-        self.lose(self.failure("its process sent a message that makes no sense: the program wrote where it may not"))
+        self.lose(self.failure("its process sent an invalid message: the program wrote where it may not"))
     }
 
     /// Takes a channel for a task, on which a thread of the child waits to be called back.
