@@ -1068,7 +1068,7 @@ def CAMInit(resolution, width=None, height=None):
 
 
 def CAMGet(buf=None):
-    """A colour image of CAMSIZE bytes, row 0 on top; black if there is no camera."""
+    """A colour image of CAMSIZE bytes, row 0 at the top; black if there is no camera."""
     data, result = _call(_CAMGet, CAMSIZE)
     return _out_image("CAMGet", data, CAMSIZE, CAMWIDTH, CAMHEIGHT, buf, result)
 
@@ -1080,7 +1080,7 @@ def CAMGetGray(buf=None):
 
 
 class _Plane(_array.array):
-    """A flat image of numbers, one per pixel, row 0 on top."""
+    """A flat image of numbers, one per pixel, row 0 at the top."""
 
     width = height = 0
 
@@ -1099,14 +1099,14 @@ def _plane(typecode, values):
 
 def CAMGetDepth():
     """Depth image of the last image: the distance along each pixel's ray, in mm, infinite for the sky. An
-    array of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
+    array of CAMPIXELS numbers, row 0 at the top; None if no image has been taken."""
     values, result = _call(_CAMGetDepth, CAMPIXELS)
     return _plane("f", values) if result == 0 else None
 
 
 def CAMGetLabels():
     """Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n. An array
-    of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
+    of CAMPIXELS numbers, row 0 at the top; None if no image has been taken."""
     values, result = _call(_CAMGetLabels, CAMPIXELS)
     return _plane("i", values) if result == 0 else None
 

@@ -10,10 +10,10 @@ int main(void)
 
   VWDriveStraight(vw, 0.3, 0.2); /* m, m/s */
   VWDriveWait(vw);
-  printf("%d ticks, %.3f m\n", QUADRead(left), QUADODORead(left));
+  printf("%d counts, %.3f m\n", QUADRead(left), QUADODORead(left));
   return 0;
 }
 
 /* Prints
- * 1591 ticks, 0.300 m
+ * 1591 counts, 0.300 m
  */

@@ -1,4 +1,4 @@
-/* Counts the ticks of both wheels during a drive. */
+/* Reads the counts of both wheels during a drive. */
 #include <stdio.h>
 
 #include "eyebot.h"
@@ -9,10 +9,10 @@ int main(void)
   ENCODERReset(2);
   VWStraight(300, 200); /* mm, mm/s */
   VWWait();
-  printf("left %d, right %d ticks\n", ENCODERRead(1), ENCODERRead(2));
+  printf("left %d, right %d counts\n", ENCODERRead(1), ENCODERRead(2));
   return 0;
 }
 
 /* Prints
- * left 1591, right 1591 ticks
+ * left 1591, right 1591 counts
  */

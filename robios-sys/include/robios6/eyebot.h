@@ -49,7 +49,7 @@
 #define VEHICLE                1 /* OSMachineType: a vehicle. */
 #define PLATFORM               2 /* OSMachineType: a platform. */
 #define WALKER                 3 /* OSMachineType: a walking machine. */
-#define COOP                   0 /* OSMTInit: tasks give the processor up themselves. */
+#define COOP                   0 /* OSMTInit: tasks switch only when one yields or waits. */
 #define DEFAULT                0 /* OSMTInit: the same as COOP. */
 #define PREEMPT                1 /* OSMTInit: tasks take turns. */
 #define NOTASK               255 /* OSMTStatus: no multi-tasking. */
@@ -445,8 +445,8 @@ int IPColor2Grey(colimage *src, image *dest);
 /* ---- MT: multi-tasking ---- */
 
 /* Starts multi-tasking; the program becomes the first task, of priority IDLE_PRI.
- * mode: COOP (or DEFAULT): tasks switch only when one yields. PREEMPT: after OSPermit also every 10 ms and when one
- * of higher priority is ready. Returns 0, or -1 for another mode or if it was started before.
+ * mode: COOP (or DEFAULT): tasks switch only when one yields or waits. PREEMPT: after OSPermit also every
+ * 10 ms and when one of higher priority is ready. Returns 0, or -1 for another mode or if it was started before.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSMTInit(BYTE mode);
@@ -804,7 +804,8 @@ int QUADRelease(QuadHandle handle);
  * Source: RoBIOS 6 library, encoders. */
 int QUADReset(QuadHandle handle);
 
-/* Count of an encoder since its reset, increasing when the wheel turns forward. Returns ticks; 0 if handle is invalid.
+/* Count of an encoder since its reset, increasing when the wheel turns forward. Returns counts; 0 if handle
+ * is invalid.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, encoders. */
 int QUADRead(QuadHandle handle);
@@ -820,7 +821,7 @@ DeviceSemantics QUADGetMotor(DeviceSemantics semantics);
  * Source: RoBIOS 6 library, encoders. */
 float QUADODORead(QuadHandle handle);
 
-/* Sets the rolled distance of wheels to 0; their tick counts stay.
+/* Sets the rolled distance of wheels to 0; their counts stay.
  * handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, encoders. */
@@ -1161,14 +1162,14 @@ int LIDARScan(int distance[], int size);
 /* ---- TRUTH: what the camera's last image shows, in simulation only ---- */
 
 /* Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
- * mm: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if mm is 0 or no image has been taken.
+ * mm: 60 rows of 80 numbers, row 0 at the top. Returns 0, -1 if mm is 0 or no image has been taken.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: our choice: RoBIOS has none. */
 int CAMGetDepth(float *mm);
 
 /* Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
  * SIMGetRobot and SIMGetObject: robots from 1, then the objects.
- * labels: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if labels is 0 or no image has been taken.
+ * labels: 60 rows of 80 numbers, row 0 at the top. Returns 0, -1 if labels is 0 or no image has been taken.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: our choice: RoBIOS has none. */
 int CAMGetLabels(int *labels);

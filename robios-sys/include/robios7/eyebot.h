@@ -323,13 +323,13 @@ int CAMInit(int resolution);
  * Source: RoBIOS-7 library, camera. */
 int CAMRelease(void);
 
-/* Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there is no
- * camera.
+/* Takes a colour image, row 0 at the top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there
+ * is no camera.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, camera. */
 int CAMGet(BYTE *buf);
 
-/* Takes a grey image, row 0 on top. buf: CAMPIXELS bytes. Returns 0, 1 if there is no camera.
+/* Takes a grey image, row 0 at the top. buf: CAMPIXELS bytes. Returns 0, 1 if there is no camera.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, camera. */
 int CAMGetGray(BYTE *buf);
@@ -677,15 +677,15 @@ int MOTORPID(int motor, int p, int i, int d);
  * Source: RoBIOS-7 library, servos and motors. */
 int MOTORPIDOff(int motor);
 
-/* Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks per second. Returns 0, 1 if there is
- * no such motor.
+/* Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder counts per second. Returns 0, 1
+ * if there is no such motor.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, servos and motors. */
 int MOTORSpeed(int motor, int ticks);
 
 /* ---- ENCODER: encoders ---- */
 
-/* Reads an encoder. quad: 1 to 4. Returns ticks since its reset; 0 if there is no such encoder.
+/* Reads an encoder. quad: 1 to 4. Returns counts since its reset; 0 if there is no such encoder.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, servos and motors. */
 int ENCODERRead(int quad);
@@ -728,7 +728,7 @@ int VWGetPosition(int *x, int *y, int *phi);
 int VWStraight(int dist, int lin_speed);
 
 /* Starts to turn on the spot; does not wait. angle: degrees, positive = to the left. ang_speed: degrees/s; its sign
- * does not count. Returns 0, 1 on failure.
+ * is ignored. Returns 0, 1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWTurn(int angle, int ang_speed);
@@ -740,7 +740,7 @@ int VWTurn(int angle, int ang_speed);
 int VWCurve(int dist, int angle, int lin_speed);
 
 /* Starts to drive in an arc to a point; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
- * does not count. Returns 0, 1 on failure.
+ * is ignored. Returns 0, 1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWDrive(int dx, int dy, int lin_speed);
@@ -934,14 +934,14 @@ float PSDGetSignal(int psd);
 /* ---- TRUTH: what the camera's last image shows, in simulation only ---- */
 
 /* Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
- * mm: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if mm is 0 or no image has been taken.
+ * mm: CAMPIXELS numbers, row 0 at the top. Returns 0, 1 if mm is 0 or no image has been taken.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: our choice: RoBIOS has none. */
 int CAMGetDepth(float *mm);
 
 /* Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
  * SIMGetRobot and SIMGetObject: robots from 1, then the objects.
- * labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
+ * labels: CAMPIXELS numbers, row 0 at the top. Returns 0, 1 if labels is 0 or no image has been taken.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: our choice: RoBIOS has none. */
 int CAMGetLabels(int *labels);

@@ -83,7 +83,7 @@ constants! {
     /// `OSMachineType`: a walking machine.
     WALKER: i32 = 3;
 
-    /// `OSMTInit`: tasks give the processor up themselves.
+    /// `OSMTInit`: tasks switch only when one yields or waits.
     COOP: i32 = 0;
     /// `OSMTInit`: the same as `COOP`.
     DEFAULT: i32 = 0;

@@ -248,8 +248,8 @@ function_table! {
 
     family MT "multi-tasking", source "RoBIOS 6 library, multi-tasking" {
         /// Starts multi-tasking; the program becomes the first task, of priority IDLE_PRI.
-        /// mode: COOP (or DEFAULT): tasks switch only when one yields. PREEMPT: after OSPermit also every 10 ms and when one
-        /// of higher priority is ready. Returns 0, or -1 for another mode or if it was started before.
+        /// mode: COOP (or DEFAULT): tasks switch only when one yields or waits. PREEMPT: after OSPermit also every
+        /// 10 ms and when one of higher priority is ready. Returns 0, or -1 for another mode or if it was started before.
         fn OSMTInit(mode: Byte) -> i32 = -1, c "int OSMTInit(BYTE mode)";
 
         /// Creates a task, which is not ready yet: see OSReady. It ends when its function returns.
@@ -489,7 +489,8 @@ function_table! {
         /// handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
         fn QUADReset(handle: QuadHandle) -> i32 = -1;
 
-        /// Count of an encoder since its reset, increasing when the wheel turns forward. Returns ticks; 0 if handle is invalid.
+        /// Count of an encoder since its reset, increasing when the wheel turns forward. Returns counts; 0 if handle
+        /// is invalid.
         fn QUADRead(handle: QuadHandle) -> i32 = 0;
 
         /// The motor of an encoder's wheel.
@@ -499,7 +500,7 @@ function_table! {
         /// Distance rolled by a wheel since QUADODOReset. Returns metres; 0 if handle is invalid.
         fn QUADODORead(handle: QuadHandle) -> f32 = 0.0;
 
-        /// Sets the rolled distance of wheels to 0; their tick counts stay.
+        /// Sets the rolled distance of wheels to 0; their counts stay.
         /// handle: handles, OR-ed. Returns 0, or -1 if one of them is invalid.
         fn QUADODOReset(handle: QuadHandle) -> i32 = -1;
     }
@@ -729,12 +730,12 @@ function_table! {
     }
     family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
         /// Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
-        /// mm: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if mm is 0 or no image has been taken.
+        /// mm: 60 rows of 80 numbers, row 0 at the top. Returns 0, -1 if mm is 0 or no image has been taken.
         fn CAMGetDepth(mm: OutFloats) -> i32 = -1, c "int CAMGetDepth(float *mm)";
 
         /// Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
         /// SIMGetRobot and SIMGetObject: robots from 1, then the objects.
-        /// labels: 60 rows of 80 numbers, row 0 on top. Returns 0, -1 if labels is 0 or no image has been taken.
+        /// labels: 60 rows of 80 numbers, row 0 at the top. Returns 0, -1 if labels is 0 or no image has been taken.
         fn CAMGetLabels(labels: OutInts) -> i32 = -1, c "int CAMGetLabels(int *labels)";
     }
     family LEG "legs", source "our choice: RoBIOS has none" {

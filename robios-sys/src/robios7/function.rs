@@ -145,11 +145,11 @@ function_table! {
         /// Switches the camera off. Returns 0, 1 if there is no camera.
         fn CAMRelease() -> i32 = 1;
 
-        /// Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there is no
-        /// camera.
+        /// Takes a colour image, row 0 at the top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there
+        /// is no camera.
         fn CAMGet(buf: OutBytes) -> i32 = 1, c "int CAMGet(BYTE *buf)";
 
-        /// Takes a grey image, row 0 on top. buf: CAMPIXELS bytes. Returns 0, 1 if there is no camera.
+        /// Takes a grey image, row 0 at the top. buf: CAMPIXELS bytes. Returns 0, 1 if there is no camera.
         fn CAMGetGray(buf: OutBytes) -> i32 = 1, c "int CAMGetGray(BYTE *buf)";
     }
 
@@ -383,13 +383,13 @@ function_table! {
         /// Stops a motor's controller. motor: 1 to 4. Returns 0, 1 if there is no such motor.
         fn MOTORPIDOff(motor: i32) -> i32 = 1;
 
-        /// Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks per second. Returns 0, 1 if there is
-        /// no such motor.
+        /// Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder counts per second. Returns 0, 1
+        /// if there is no such motor.
         fn MOTORSpeed(motor: i32, ticks: i32) -> i32 = 1;
     }
 
     family ENCODER "encoders", source "RoBIOS-7 library, servos and motors" {
-        /// Reads an encoder. quad: 1 to 4. Returns ticks since its reset; 0 if there is no such encoder.
+        /// Reads an encoder. quad: 1 to 4. Returns counts since its reset; 0 if there is no such encoder.
         fn ENCODERRead(quad: i32) -> i32 = 0;
 
         /// Sets an encoder to 0. quad: 1 to 4. Returns 0, 1 if there is no such encoder.
@@ -418,7 +418,7 @@ function_table! {
         fn VWStraight(dist: i32, lin_speed: i32) -> i32 = 1;
 
         /// Starts to turn on the spot; does not wait. angle: degrees, positive = to the left. ang_speed: degrees/s; its sign
-        /// does not count. Returns 0, 1 on failure.
+        /// is ignored. Returns 0, 1 on failure.
         fn VWTurn(angle: i32, ang_speed: i32) -> i32 = 1;
 
         /// Starts to drive in an arc; does not wait. dist: length of the arc in mm, negative = backwards. angle: change of
@@ -426,7 +426,7 @@ function_table! {
         fn VWCurve(dist: i32, angle: i32, lin_speed: i32) -> i32 = 1;
 
         /// Starts to drive in an arc to a point; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
-        /// does not count. Returns 0, 1 on failure.
+        /// is ignored. Returns 0, 1 on failure.
         fn VWDrive(dx: i32, dy: i32, lin_speed: i32) -> i32 = 1;
 
         /// Remainder of the drive. Returns mm, for a turn degrees; 0 when it is done.
@@ -552,12 +552,12 @@ function_table! {
     }
     family TRUTH "what the camera's last image shows, in simulation only", source "our choice: RoBIOS has none" {
         /// Depth of each pixel of the last image: distance along the line of sight, in mm, without noise; INFINITY for the sky.
-        /// mm: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if mm is 0 or no image has been taken.
+        /// mm: CAMPIXELS numbers, row 0 at the top. Returns 0, 1 if mm is 0 or no image has been taken.
         fn CAMGetDepth(mm: OutFloats) -> i32 = 1, c "int CAMGetDepth(float *mm)";
 
         /// Label of each pixel of the last image: CAM_SKY, CAM_FLOOR, CAM_WALL, or CAM_BODY + n for robot or object n, numbered as in
         /// SIMGetRobot and SIMGetObject: robots from 1, then the objects.
-        /// labels: CAMPIXELS numbers, row 0 on top. Returns 0, 1 if labels is 0 or no image has been taken.
+        /// labels: CAMPIXELS numbers, row 0 at the top. Returns 0, 1 if labels is 0 or no image has been taken.
         fn CAMGetLabels(labels: OutInts) -> i32 = 1, c "int CAMGetLabels(int *labels)";
     }
     family LEG "legs", source "our choice: RoBIOS has none" {

@@ -5,7 +5,7 @@
 //! scenery in a view.
 //!
 //! # Pictures
-//! Row 0 is on top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first
+//! Row 0 is at the top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first
 //! hit of the ray through its middle. Pixels are square. A camera has the frame of sensors: x along the optical axis, y
 //! to the left, z up.
 //!
