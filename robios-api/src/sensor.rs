@@ -67,16 +67,15 @@ impl Robot {
     /// Initialises the compass and starts it.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] if the robot has none.
+    /// [`Error::Unavailable`] if the robot has none; [`Error::Refused`] while another [`Compass`] exists.
     #[track_caller]
     pub fn compass(&self) -> Result<Compass> {
         let code: i32 = robios!(self, COMPASSInit(semantics::COMPASS));
         if code != 0 {
             return Err(Error::Unavailable(Device::Compass));
         }
-        let compass = Compass { robot: self.clone() };
         checked("COMPASSStart", Device::Compass, robios!(self, COMPASSStart(TRUE)))?;
-        Ok(compass)
+        Ok(Compass { robot: self.clone() })
     }
 }
 

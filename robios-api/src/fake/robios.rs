@@ -779,8 +779,7 @@ impl Robios6 for FakeRobot {
     }
 
     fn COMPASSStart(&self, _: i32) -> Result<i32, Stop> {
-        self.act(|state| state.is_compass_ready = true)?;
-        Ok(0)
+        self.act(|state| i32::from(std::mem::replace(&mut state.is_compass_ready, true)))
     }
 
     fn COMPASSCheck(&self) -> Result<i32, Stop> {
