@@ -124,7 +124,7 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     let [red, green, blue] = rgb;
     let sum = u32::from(red) + u32::from(green) + u32::from(blue);
     let min = u32::from(red.min(green).min(blue));
-    let saturation = if sum == 0 { 0 } else { 255 - 255 * 3 * min / sum };
+    let saturation = (255 * 3 * min).checked_div(sum).map_or(0, |white| 255 - white);
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 
