@@ -73,10 +73,11 @@ fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usi
     for result in results.filter(|result| result.row.outcome != RowOutcome::Passed) {
         let row = &result.row;
         let check_report = check.and_then(|index| row.checks.get(index));
+        let is_explained = !result.has_failed_program() && row.checks.iter().any(|check| !check.passed);
         let message = match check_report {
             Some(check) if !check.passed => check.message.clone(),
-            Some(check) if row.points > 0.0 || check.max_points == 0.0 && !result.has_failed_program() => continue,
-            // A program failed, a required check is not met, or the case could not be run.
+            Some(check) if row.points > 0.0 || check.max_points == 0.0 && is_explained => continue,
+            // A program failed, a limit was exceeded, a required check is not met, or the case could not be run.
             _ if row.details.is_empty() => row.message.clone(),
             _ => format!("{}\n{}", row.message, row.details),
         };
