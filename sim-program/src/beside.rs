@@ -51,10 +51,21 @@ fn file_beside(path: &Path) -> Option<FileBeside> {
     let code = code_only(&text);
     definitions.extend(code.lines().filter_map(defined_variable).map(str::to_owned));
     let statics = code.lines().filter(|line| line.trim_start().starts_with("static "));
-    let declared = statics.filter_map(|line| line.split(['=', '(']).next());
-    let hidden: BTreeSet<&str> = declared.flat_map(|line| line.split(|c| !is_name(c))).collect();
+    let hidden: BTreeSet<&str> = statics.flat_map(|line| declarator(line).split(|c| !is_name(c))).collect();
     definitions.retain(|name| !hidden.contains(name.as_str()));
     Some(FileBeside { name, is_program: definitions.contains("main"), definitions })
+}
+
+/// The part of a declaration before the parameters, the body or the value.
+fn declarator(line: &str) -> &str {
+    let head = line.split(['=', '{', ';']).next().unwrap_or_default().trim_end();
+    let mut depth = 0;
+    let opens_parameters = |letter: char| {
+        depth += i32::from(letter == ')') - i32::from(letter == '(');
+        depth <= 0 && letter == '('
+    };
+    let start = if head.ends_with(')') { head.rfind(opens_parameters) } else { head.find('(') };
+    start.map_or(head, |start| &head[..start])
 }
 
 /// The variable that a line of code defines in its first column, such as `int count = 1;`.
@@ -81,7 +92,8 @@ mod tests {
         write(
             "map.c",
             "#include \"map.h\"\nextern int other;\nint count = 1, map[3];\nchar *names[4];\nint plan(void)\n{ int inner; return 1; }\n\
-             static int hidden(void) { return 2; }\nstatic int once(void) { return plan(); }\nstruct type;\nstruct type *value;\n",
+             static int hidden(void) { return 2; }\nstatic int once(void) { return plan(); }\n\
+             static __attribute__((noinline)) int far(int count)\n{ return count; }\nstatic int (*handler)(void);\nstruct type;\nstruct type *value;\n",
         );
         write("own.cpp", "int main() {}\nvoid draw() {}\n");
         write("notes.txt", "int draw(void) {}\n");
@@ -92,7 +104,7 @@ mod tests {
         for name in ["plan", "count", "names", "value"] {
             assert!(files[0].defines(name), "{name}");
         }
-        for name in ["hidden", "other", "inner", "type"] {
+        for name in ["hidden", "other", "inner", "type", "far", "handler"] {
             assert!(!files[0].defines(name), "{name}");
         }
         assert!(files[1].defines("draw"));
