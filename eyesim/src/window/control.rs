@@ -17,7 +17,7 @@ pub struct Control {
 /// Pending requests to a run.
 #[derive(Default)]
 pub struct PendingRequests {
-    /// True if something was requested since the last call of [`Control::requests`].
+    /// True if something was requested since the last call of [`Control::wait`].
     is_new: bool,
     /// True if the run must pause before the next slot.
     pub is_paused: bool,
@@ -46,18 +46,18 @@ impl Control {
         change(&mut requests)
     }
 
-    /// Locks the requests and marks them as seen.
+    /// Locks the requests.
     pub fn requests(&self) -> MutexGuard<'_, PendingRequests> {
-        let mut requests = self.requests.lock();
-        requests.is_new = false;
-        requests
+        self.requests.lock()
     }
 
-    /// Waits for a request, at most for `timeout`.
+    /// Returns at once if something was requested since the last call of this function; otherwise waits for a request,
+    /// at most for `timeout`.
     pub fn wait(&self, timeout: Duration) {
         let mut requests = self.requests.lock();
         if !requests.is_new {
             self.new_request.wait_for(&mut requests, timeout);
         }
+        requests.is_new = false;
     }
 }
