@@ -785,17 +785,17 @@ const CASES: &[Case] = &[
         "#include \"eyebot.h\"\nint main()\n{\n  int speed;\n  VWSetSpeed(speed, 0);\n}\n",
     ),
     case(
-        "an index beyond the end of a list",
+        "a step beyond the end of a linked list",
         "mine.c",
         "#include <stdio.h>\nstruct wall { int mm; struct wall *next; };\nint main(void)\n{\n  struct wall first = {300, NULL};\n  struct wall *wall = &first;\n  printf(\"%d\\n\", wall->next->mm);\n  return 0;\n}\n",
     ),
     case(
-        "an index beyond the end of a list",
+        "a step beyond the end of a linked list",
         "mine.cpp",
         "#include <iostream>\nstruct Wall { int mm = 300; Wall *next = nullptr; };\nint main()\n{\n  Wall first;\n  Wall *wall = &first;\n  std::cout << wall->next->mm << std::endl;\n}\n",
     ),
     case(
-        "an index beyond the end of a list",
+        "a step beyond the end of a linked list",
         "mine.py",
         "class Wall:\n    next = None\n    mm = 300\nprint(Wall().next.mm)\n",
     ),
