@@ -577,13 +577,15 @@ impl CompileVariant<'_> {
 }
 
 /// The flags of the commands that compile, and those of the command that links: `-lfann`, `-L/opt/lib` (or `-L` and
-/// `/opt/lib`), `-Wl,...`. `-pthread` and `-fopenmp` are flags of both.
+/// `/opt/lib`), `-Wl,...`. Flags that add a library, such as `-pthread` and `-fsanitize=undefined`, are flags of both.
 pub(super) fn split_flags(flags: &[String]) -> (Vec<&String>, Vec<&String>) {
     let (mut of_compile, mut of_link, mut is_value) = (Vec::new(), Vec::new(), false);
     for flag in flags {
         let is_of_link = is_value || ["-l", "-L", "-Wl,"].iter().any(|beginning| flag.starts_with(beginning));
         is_value = !is_value && ["-l", "-L"].contains(&flag.as_str());
-        if is_of_link || ["-pthread", "-fopenmp"].contains(&flag.as_str()) {
+        let adds_library =
+            ["-pthread", "-fopenmp", "-fsanitize=", "--coverage"].iter().any(|beginning| flag.starts_with(beginning));
+        if is_of_link || adds_library {
             of_link.push(flag);
         }
         if !is_of_link {
