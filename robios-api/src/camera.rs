@@ -1,6 +1,6 @@
 //! The camera of RoBIOS 6: images of 80 x 60 pixels.
 
-use std::cell::Cell;
+use std::sync::MutexGuard;
 
 use robios_sys::ByteBuffer;
 use robios_sys::robios6::{
@@ -11,7 +11,7 @@ use robios_sys::robios6::{
 use crate::device::Device;
 use crate::error::checked;
 use crate::image::{ColorImage, DepthImage, GrayImage, ImageSize, LabelImage};
-use crate::robot::{release, robios};
+use crate::robot::{locked, release, robios};
 use crate::{Error, Result, Robot};
 
 /// The camera; dropping the value switches it off.
@@ -21,8 +21,6 @@ use crate::{Error, Result, Robot};
 #[derive(Debug)]
 pub struct Camera {
     robot: Robot,
-    /// Size of the last image.
-    last_size: Cell<ImageSize>,
 }
 
 /// Angle of view.
@@ -103,11 +101,7 @@ impl Robot {
             CameraLens::Tele => TELE,
         };
         let version: i32 = robios!(self, CAMInit(mode));
-        if version >= INITERROR {
-            Err(Error::Unavailable(Device::Camera))
-        } else {
-            Ok(Camera { robot: self.clone(), last_size: Cell::new(Camera::SIZE) })
-        }
+        if version >= INITERROR { Err(Error::Unavailable(Device::Camera)) } else { Ok(Camera { robot: self.clone() }) }
     }
 }
 
@@ -127,7 +121,7 @@ impl Camera {
     pub fn gray(&self) -> Result<GrayImage> {
         let mut frame = [0; 4800];
         checked("CAMGetFrameMono", Device::Camera, robios!(&self.robot, CAMGetFrameMono(&mut frame)))?;
-        self.last_size.set(Self::SIZE);
+        *self.last_size() = Self::SIZE;
         Ok(GrayImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
@@ -136,7 +130,7 @@ impl Camera {
     pub fn color(&self) -> Result<ColorImage> {
         let mut frame = [0; 14400];
         checked("CAMGetFrameColor", Device::Camera, robios!(&self.robot, CAMGetFrameColor(&mut frame)))?;
-        self.last_size.set(Self::SIZE);
+        *self.last_size() = Self::SIZE;
         Ok(ColorImage { size: Self::SIZE, bytes: frame.to_vec() })
     }
 
@@ -146,7 +140,7 @@ impl Camera {
     pub fn bayer(&self) -> Result<GrayImage> {
         let mut frame = [0; 19200];
         checked("CAMGetFrameBayer", Device::Camera, robios!(&self.robot, CAMGetFrameBayer(&mut frame)))?;
-        self.last_size.set(Self::BAYER_SIZE);
+        *self.last_size() = Self::BAYER_SIZE;
         Ok(GrayImage { size: Self::BAYER_SIZE, bytes: frame.to_vec() })
     }
 
@@ -193,10 +187,15 @@ impl Camera {
         checked("CAMMode", Device::Camera, robios!(&self.robot, CAMMode(mode)))
     }
 
+    /// Size of the robot's last image, of any camera value.
+    fn last_size(&self) -> MutexGuard<'_, ImageSize> {
+        locked(&self.robot.0.common.image_size)
+    }
+
     /// Depths of the last image, without noise. An extension of this simulator.
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
-        let size = self.last_size.get();
+        let size = *self.last_size();
         let mut mm = vec![f32::INFINITY; size.pixels()];
         let buffer = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
         checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(buffer)))?;
@@ -206,7 +205,7 @@ impl Camera {
     /// Labels of the last image. An extension of this simulator.
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
-        let size = self.last_size.get();
+        let size = *self.last_size();
         let mut numbers = vec![0; size.pixels()];
         let buffer = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
         checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(buffer)))?;

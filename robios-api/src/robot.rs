@@ -11,6 +11,7 @@ use robios_sys::{ByteBuffer, Host, Robios6Table, Robios7Table, Status, SupportTa
 use crate::audio::Audio;
 use crate::call_site;
 use crate::console::Console;
+use crate::image::ImageSize;
 use crate::layer::Layers;
 use crate::lcd::Lcd;
 use crate::port::Ports;
@@ -42,6 +43,8 @@ pub(crate) struct ProgramState {
     pub(crate) psd: Mutex<PsdState>,
     /// Number of [`Radio`](crate::Radio)s, of either generation.
     pub(crate) radios: Mutex<usize>,
+    /// Size of the last image in RoBIOS 6.
+    pub(crate) image_size: Mutex<ImageSize>,
     pub(crate) tasks: Mutex<TaskState>,
     /// Exit code of a failure that was already reported, for example by a timer's function or a task.
     pub(crate) failure: OnceLock<i32>,
@@ -94,6 +97,7 @@ impl Robot {
             call_site,
             psd: Mutex::default(),
             radios: Mutex::default(),
+            image_size: Mutex::new(ImageSize::EYECAM),
             tasks: Mutex::default(),
             failure: OnceLock::new(),
         };
