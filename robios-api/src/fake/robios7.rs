@@ -609,8 +609,8 @@ impl Robios7 for FakeRobot {
                 return 1;
             }
             let line = 1 << (io - 1);
-            // An output is low at first.
-            state.lines &= !line;
+            // An input with a resistor to the supply voltage is high; everything else is low at first.
+            state.lines = if direction == b'I' { state.lines | line } else { state.lines & !line };
             state.outputs = if direction == b'o' { state.outputs | line } else { state.outputs & !line };
             0
         })
