@@ -13,10 +13,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
     let schema = Schema::of(document)?;
     let outline = Outline::of(&document.text);
     let (schemas, key) = match outline.cursor(offset, &document.text) {
-        CursorPosition::Header(_) => {
-            let (path, key) = header_at(document, offset)?;
-            (schema.table_schemas(&path), key)
-        }
+        CursorPosition::Header(path, key) => (schema.table_schemas(&path), key?),
         CursorPosition::Key(table, before) => {
             let is_at_cursor = |entry: &&super::toml_cursor::TableEntry| {
                 entry.key_bytes.start <= offset && offset <= entry.key_bytes.end
@@ -45,7 +42,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
     let Some(schema) = Schema::of(document) else { return Vec::new() };
     let outline = Outline::of(&document.text);
     match outline.cursor(offset, &document.text) {
-        CursorPosition::Header(before) => {
+        CursorPosition::Header(before, _) => {
             let schemas = schema.table_schemas(&before);
             let tables = properties(&schemas).filter(|(_, property)| schema.is_table(property));
             tables.map(|(key, property)| item(key, CompletionItemKind::MODULE, schema.description(property))).collect()
@@ -94,24 +91,6 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
             items
         }
     }
-}
-
-/// The key of the header at `offset`, preceded by the list of the keys before it.
-fn header_at(document: &Document, offset: usize) -> Option<(Vec<String>, String)> {
-    let line = document.line(offset);
-    let inner = document.text[line.clone()].trim().trim_start_matches('[').split(']').next()?;
-    let start = line.start + document.text[line].find(inner)?;
-    let mut keys: Vec<String> = Vec::new();
-    let mut end = start;
-    for part in inner.split('.') {
-        end += part.len();
-        if offset <= end {
-            return Some((keys, part.trim().to_owned()));
-        }
-        keys.push(part.trim().to_owned());
-        end += 1;
-    }
-    None
 }
 
 /// Returns true if the text ends within a string of its last line.

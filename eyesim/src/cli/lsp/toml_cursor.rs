@@ -25,8 +25,8 @@ pub struct TableEntry {
 /// Position of the cursor.
 #[derive(Debug, PartialEq)]
 pub enum CursorPosition<'t> {
-    /// In a header `[a.b]`: the keys before the one at the cursor.
-    Header(Vec<String>),
+    /// In a header `[a.b]`: the keys before the one at the cursor, and that key.
+    Header(Vec<String>, Option<String>),
     /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
     Key(&'t Table, Vec<String>),
     /// In the value of an entry of the table.
@@ -53,7 +53,9 @@ impl Outline {
         let keys_before = |keys: &[String], start: usize| keys[..text[start..offset].matches('.').count()].to_vec();
         if let Some((bytes, keys)) = self.headers.iter().find(|(bytes, _)| bytes.start < offset && offset <= bytes.end)
         {
-            return CursorPosition::Header(keys_before(keys, bytes.start));
+            let before = keys_before(keys, bytes.start);
+            let key = keys.get(before.len()).cloned();
+            return CursorPosition::Header(before, key);
         }
         let contains_cursor = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
         // The first table is the root, even if its body is empty; inner tables follow the outer ones.
@@ -254,7 +256,7 @@ mod tests {
         let text = text.replacen('|', "", 1);
         let outline = Outline::of(&text);
         match outline.cursor(offset, &text) {
-            CursorPosition::Header(keys) => format!("header {}", keys.join(".")),
+            CursorPosition::Header(keys, _) => format!("header {}", keys.join(".")),
             CursorPosition::Key(table, keys) => format!("key of {}", [&table.path[..], &keys].concat().join(".")),
             CursorPosition::Value(table, entry) => {
                 format!("value of {}", [&table.path[..], &entry.key].concat().join("."))
