@@ -4,14 +4,12 @@ use std::time::Duration;
 
 use robios_sys::ByteBuffer;
 use robios_sys::robios6::{FALSE, PSD_OUT_OF_RANGE, PSDHandle, TRUE};
+use robios_sys::robios7::MAX_LIDAR_POINTS;
 
 use crate::device::{Device, PsdAt};
 use crate::robot::{locked, release, robios};
 use crate::unit::Length;
 use crate::{Error, Result, Robot};
-
-/// Maximum number of points of a scan.
-const MAX_POINTS: usize = 65_536;
 
 /// Length of a measuring cycle.
 const CYCLE: Duration = Duration::from_millis(60);
@@ -187,7 +185,7 @@ impl Robot {
     /// [`Error::Unavailable`] if the robot has no scanner.
     #[track_caller]
     pub fn laser_scan(&self) -> Result<Vec<Option<Length>>> {
-        let mut distances_mm = vec![0_i32; MAX_POINTS];
+        let mut distances_mm = vec![0_i32; MAX_LIDAR_POINTS];
         let buffer = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
         let points: i32 = robios!(self, LIDARScan(buffer));
         let points = usize::try_from(points).ok().ok_or(Error::Unavailable(Device::Lidar))?;

@@ -9,7 +9,7 @@ const MARKS: readonly { kinds: readonly string[]; name: string; colour: string }
   { kinds: ["radio_arrived", "radio_sent"], name: "radio", colour: "--radio" },
   { kinds: ["radio_lost"], name: "message lost", colour: "--warn" },
   { kinds: ["contact"], name: "contact", colour: "--contact" },
-  { kinds: ["intervention"], name: "done by hand", colour: "--accent" },
+  { kinds: ["intervention"], name: "by the user", colour: "--accent" },
   { kinds: ["program_ended", "fault"], name: "program ended", colour: "--bad" },
 ];
 const STEP_S = 0.05;
