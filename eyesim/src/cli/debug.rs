@@ -2,7 +2,7 @@
 //! not advance.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail, ensure};
@@ -84,7 +84,7 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     }
     let mut breakpoints = args.breakpoints.clone();
     if breakpoints.is_empty() {
-        breakpoints.push(location_of_main(&program));
+        breakpoints.push(location_of_main(&program, &args.sim));
     }
     run.debug = Some(DebugTarget { robot, debugger: Debugger { breakpoints, arguments: args.gdb.clone() } });
     interrupt::leave_interrupts_to_debugger();
@@ -112,12 +112,21 @@ fn choose_robot(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     }
 }
 
-/// Location of a program's `main` for gdb: the name alone would also match the `main` of eyesim.
-fn location_of_main(program: &str) -> String {
+/// Location of the `main` of a program of the scene `sim` for gdb: the name alone would also match the `main` of
+/// eyesim.
+fn location_of_main(program: &str, sim: &Path) -> String {
     let first = program.split(',').next().unwrap_or(program).replace('\\', "/");
     let file = first.rsplit('/').next().unwrap_or(&first);
+    if file == "Cargo.toml" {
+        let folder = std::path::absolute(sim.with_file_name(first)).unwrap_or_default();
+        let package = folder.parent().and_then(Path::file_name).unwrap_or_default();
+        return location_of_main(&package.to_string_lossy(), sim);
+    }
+    let file = file.strip_suffix(".txt").unwrap_or(file);
     match file.rsplit_once('.') {
-        Some((_, "c" | "cpp" | "cc" | "cxx")) => format!("{file}:main"),
+        Some((_, extension)) if ["c", "cpp", "cc", "cxx"].contains(&extension.to_lowercase().as_str()) => {
+            format!("{file}:main")
+        }
         Some((stem, _)) => format!("{stem}.c:main"),
         // A folder is a Cargo package, whose `main` is in its library.
         None => format!("{}::main", file.replace('-', "_")),
@@ -136,8 +145,12 @@ mod tests {
             (r"..\programs\maze.x", "maze.c:main"),
             ("main.c,map.c", "main.c:main"),
             ("../follow-wall", "follow_wall::main"),
+            ("maze.c.txt", "maze.c:main"),
+            ("MAZE.CPP", "MAZE.CPP:main"),
+            ("Cargo.toml", "my_robot::main"),
+            ("../follow-wall/Cargo.toml", "follow_wall::main"),
         ] {
-            assert_eq!(location_of_main(program), main, "{program}");
+            assert_eq!(location_of_main(program, Path::new("labs/my-robot/a.sim")), main, "{program}");
         }
     }
 }
