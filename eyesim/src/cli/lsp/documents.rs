@@ -109,7 +109,7 @@ impl Documents {
     pub fn named_file(&self, document: &Document, offset: usize) -> Option<String> {
         let (word, _) = document.word(offset)?;
         let candidates = path::candidates(word, path::folder_of(&document.name), self.files.home());
-        candidates.into_iter().find(|name| Path::new(name).exists()).and_then(|name| {
+        candidates.into_iter().find(|name| Path::new(name).is_file()).and_then(|name| {
             let is_absolute = name.starts_with('/');
             if is_absolute {
                 Some(name)

@@ -64,7 +64,7 @@ impl PageSection {
 
 /// Sections of the page on the format of the file `name`.
 fn sections(name: &str) -> impl Iterator<Item = PageSection> {
-    let page = match extension(name).as_str() {
+    let page = match path::extension(name).as_str() {
         "sim" => include_str!("../../../../docs/formats/sim.md"),
         "wld" => include_str!("../../../../docs/formats/wld.md"),
         "robi" => include_str!("../../../../docs/formats/robi.md"),
@@ -72,10 +72,6 @@ fn sections(name: &str) -> impl Iterator<Item = PageSection> {
         _ => "",
     };
     page.split("\n## ").skip(1).map(|text| PageSection { heading: text.lines().next().unwrap_or_default(), text })
-}
-
-fn extension(name: &str) -> String {
-    name.rsplit_once('.').map_or(String::new(), |(_, extension)| extension.to_lowercase())
 }
 
 #[cfg(test)]

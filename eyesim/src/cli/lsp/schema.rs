@@ -96,7 +96,11 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
 /// Returns true if the text ends within a string of its last line.
 fn is_in_string(text: &str) -> bool {
     let line = text.lines().next_back().unwrap_or_default();
-    !text.ends_with('\n') && line.matches('"').count() % 2 == 1
+    let mut quote = None;
+    for letter in line.chars().filter(|letter| ['"', '\''].contains(letter)) {
+        quote = if quote == Some(letter) { None } else { quote.or(Some(letter)) };
+    }
+    !text.ends_with('\n') && quote.is_some()
 }
 
 /// The properties of several schemas, without duplicates.
