@@ -121,6 +121,9 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
     }
     for (option, path) in outputs {
         let path_text = path.display();
+        if path.as_os_str().as_encoded_bytes().ends_with(b"/") {
+            bail!("{option} `{path_text}` is a folder, expected a file");
+        }
         let target = link_target(path);
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = std::fs::canonicalize(folder)
@@ -131,7 +134,7 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
             bail!("{option} `{path_text}` is a folder, expected a file");
         }
         // Devices such as /dev/null take any number of outputs.
-        if canonical.starts_with("/dev") {
+        if canonical.starts_with("/dev") && !canonical.is_file() {
             continue;
         }
         if let Some((owner, _)) = seen_files.iter().find(|(_, other)| is_same_file(other, &canonical)) {
