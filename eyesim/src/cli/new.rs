@@ -178,6 +178,9 @@ fn check_name(name: &str, lang: Language) -> anyhow::Result<()> {
     if lang == Language::Rust && RESERVED.contains(&name.to_ascii_lowercase().as_str()) {
         bail!("`{name}` is not a name for a Rust program: it means something else in Rust");
     }
+    if lang == Language::Python && name.eq_ignore_ascii_case("eye") {
+        bail!("`{name}` is not a name for a Python program: the module of RoBIOS has this name");
+    }
     Ok(())
 }
 
