@@ -411,7 +411,11 @@ fn view_command(report: &Report) -> Option<String> {
     const WITH_VALUE_COUNT: usize = 8;
     let failure_time =
         report.checks.iter().filter(|check| !check.passed).filter_map(|check| check.at_s).min_by(f64::total_cmp)?;
-    let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);
+    let is_repeat = |word: &String| word == "--repeat" || word.starts_with("--repeat=");
+    if report.argv.get(1).is_none_or(|command| command != "run") || report.argv.iter().any(is_repeat) {
+        return None;
+    }
+    let mut words = report.argv.iter().skip(2);
     let mut line = "to see it: eyesim view".to_owned();
     while let Some(word) = words.next() {
         let option = word.split_once('=').map_or(word.as_str(), |(option, _)| option);
@@ -419,6 +423,10 @@ fn view_command(report: &Report) -> Option<String> {
             Some(index) if index < WITH_VALUE_COUNT && option == word => drop(words.next()),
             Some(_) => {}
             None => line = format!("{line} {}", quoted(word)),
+        }
+        // The arguments of programs may look like options.
+        if word == "--args" {
+            line.extend(words.next().map(|arguments| format!(" {}", quoted(arguments))));
         }
     }
     Some(format!("{line} --at {:.1}", (failure_time - 1.0).max(0.0)))
