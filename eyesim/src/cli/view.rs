@@ -44,7 +44,7 @@ use crate::window::show::{BodyPoses, Moment, Show, ShowParts};
 #[command(mut_arg("speed", |arg| arg.default_value("1")))]
 #[command(mut_arg("linger", |arg| arg.default_value("1e9")))]
 #[command(mut_arg("until", |arg| arg.help("Simulated seconds at which the run ends [default: that of the scene, else never]")))]
-#[command(mut_arg("frames", |arg| arg.hide(true)))]
+#[command(mut_arg("frames", |arg| arg.hide(true)), mut_arg("repeat", |arg| arg.hide(true)))]
 pub struct ViewArgs {
     #[command(flatten)]
     run: RunArgs,
@@ -99,6 +99,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(20);
 pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
     let _unpacked = open_for_run(&mut args.run)?;
     ensure!(args.run.frames.is_none(), "--frames: it is for `eyesim run`, since the window may start the run again");
+    ensure!(args.run.repeat.is_none(), "--repeat: it is for `eyesim run`; `eyesim replay` shows a recorded run");
     if let Speed::Factor(factor) = args.run.speed {
         ensure!(
             SPEEDS.contains(&factor),
