@@ -30,7 +30,7 @@ const VERSION_TIMEOUT: Duration = Duration::from_secs(20);
 /// Number of memory mappings below which only few robots can have private copies of their programs; the default of
 /// Linux.
 const MAPPINGS: u64 = 65_530;
-/// Number of file watches below which editors and `eyesim view` may run out of them.
+/// Number of file watches below which editors may run out of them.
 const WATCHES: u64 = 8_192;
 /// Memory in MiB below which builds of Rust programs may fail.
 const MEMORY_MEBIBYTES: u64 = 1_024;
@@ -169,7 +169,7 @@ fn other_tools(installer: &Installer) -> Vec<Finding> {
     let browser = std::env::var("BROWSER").ok().filter(|browser| !browser.is_empty());
     let browser = browser.or_else(|| on_path("xdg-open"));
     vec![
-        tool("cargo", "programs in Rust", "cargo", ["rustup", "rustup", "rustup"]),
+        Finding::new("cargo", "programs in Rust", version("cargo", VERSION_TIMEOUT), "see https://rustup.rs"),
         tool("gdb", "`eyesim debug`", "gdb", ["gdb", "gdb", "gdb"]),
         Finding::new(
             "browser",
