@@ -14,6 +14,7 @@ use sim_format::path::extension;
 use sim_host::executive::{interrupt, stack_limit};
 use sim_host::files::slashed;
 use sim_host::program::command;
+use sim_host::program::words::quoted;
 
 #[cfg(not(all(feature = "accuracy", feature = "grading", feature = "lsp", feature = "window")))]
 mod absent;
@@ -157,8 +158,8 @@ pub fn main() -> ExitCode {
 #[inline(never)] // Its frame needs a stack that `main` has checked.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let words: Vec<OsString> = words.into_iter().collect();
-    if let Some(command) = run_command_for_scene(&words) {
-        say(format_args!("error: no command is given: `{command}` runs the scene"));
+    if let Some(command) = command_for_file(&words) {
+        say(format_args!("error: no command is given: `{command}` runs this file"));
         return ExitCode::from(EXIT_USAGE);
     }
     let result = match Cli::try_parse_from(&words).unwrap_or_else(|error| refuse(&error, &words)).command {
@@ -228,11 +229,13 @@ fn whole_number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_invalid| "expected a whole number from 0".to_owned())
 }
 
-/// The command `eyesim run SCENE`, if the first argument is a scene instead of a subcommand.
-fn run_command_for_scene(words: &[OsString]) -> Option<String> {
-    let scene = Path::new(words.get(1)?);
-    let is_scene = scene.is_file() && ["sim", "toml"].contains(&extension(&slashed(scene)).as_str());
-    is_scene.then(|| format!("eyesim run {}", scene.display()))
+/// The command that runs the scene or suite that is the first argument instead of a subcommand.
+fn command_for_file(words: &[OsString]) -> Option<String> {
+    let file = Path::new(words.get(1)?);
+    let name = slashed(file);
+    let is_scene = file.is_file() && ["sim", "toml"].contains(&extension(&name).as_str());
+    let command = if name.ends_with(".suite.toml") { "test" } else { "run" };
+    is_scene.then(|| format!("eyesim {command} {}", quoted(&name)))
 }
 
 /// An error that no input should be able to cause.

@@ -286,7 +286,9 @@ pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
         Speed::Max => None,
         Speed::Factor(factor) => Some(Pace::new(factor)),
     };
-    let actions = args.repeat.as_ref().map(|trace| Recorded::read(trace).context("--repeat")).transpose()?;
+    // A pipe may have no writer yet.
+    let read = |trace| interrupt::outside_of_run(|| Recorded::read(trace)).context("--repeat");
+    let actions = args.repeat.as_ref().map(read).transpose()?;
     Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
 }
 
