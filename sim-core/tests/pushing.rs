@@ -269,6 +269,30 @@ fn robot_at_rest_is_not_pushed() {
 }
 
 #[test]
+fn a_robot_regains_its_speed_when_its_obstacle_has_gone() {
+    let speed = |scene: &mut Scene| {
+        let now = scene.world.slot_start();
+        scene.motions[0].speed(now).vx
+    };
+    // A crate that the robot cannot push is removed.
+    let mut scene = Scene::new(SLOT, &[Pose::default()], vec![(crate_(50.0, 0.9), Pose::new(0.3, 0.0, 0.0))]);
+    scene.command(0, ahead(0.3));
+    scene.run(2.0);
+    assert_eq!(speed(&mut scene), 0.0);
+    scene.world.remove_object(BOX);
+    scene.run(0.2);
+    assert_eq!(speed(&mut scene), 0.3);
+    // A ball rebounds and rolls away faster than the robot.
+    let ball = object(Shape::Disc { radius: 0.05 }, 1.0, Resistance::Rolling(0.001), 1.0);
+    let mut scene = Scene::new(SLOT, &[Pose::default()], vec![(ball, Pose::new(0.5, 0.0, 0.0))]);
+    scene.command(0, ahead(2.0));
+    scene.run(0.25);
+    assert!(speed(&mut scene) < 1.5);
+    scene.run(0.5);
+    assert_eq!(speed(&mut scene), 2.0);
+}
+
+#[test]
 fn scene_without_objects_builds_no_bodies() {
     let scene = Scene::new(SLOT, &[Pose::default()], vec![]);
     assert_eq!(scene.world.object_count(), 0);

@@ -193,6 +193,13 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             objects.skip_to(self.start);
             let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
             self.add_robots_near(objects, &active);
+            // A robot that an object has slowed regains its speed by traction, even if the object has gone.
+            let start = self.start;
+            for motion in &mut *self.active {
+                if motion.drive_state(start).fraction < 1.0 {
+                    self.near_objects.insert(motion.id());
+                }
+            }
             self.queue_step(objects);
         }
         let has_steps = !self.events.is_empty();
