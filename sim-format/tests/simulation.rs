@@ -368,3 +368,49 @@ fn who_comes_is_seen_and_who_leaves_is_not() {
     act(&mut simulation, Action::RemoveObject { object: 4 });
     assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [false, false]);
 }
+
+/// Simulation of a scene with this text, with slots of this length.
+fn simulate(text: &str, slot_ms: i64) -> Simulation {
+    let options = Options { slot: Some(Time::from_millis(slot_ms)), ..Options::default() };
+    Simulation::new(&scene(text), &options).expect("robots that can be simulated")
+}
+
+/// A robot in the middle of a floor of 4 x 3 m, with a wall 1.5 m in front of it.
+const ALONE: &str = "[world]\nfloor_mm = [4000, 3000]\nwall = [{ from_mm = [3500, 0], to_mm = [3500, 3000] }]\n\
+                     [[robot]]\ntype = \"S4\"\nx_mm = 2000\ny_mm = 1500\n";
+
+const ONE: RobotId = RobotId(1);
+
+/// Commands a speed ahead, m/s.
+fn drive(simulation: &mut Simulation, speed: f64) {
+    simulation.command(ONE, Command::Twist(Twist::new(speed, 0.0))).expect("a twist");
+}
+
+/// Texts of the hints until `time`.
+fn hints(simulation: &mut Simulation, time: Time) -> Vec<String> {
+    let mut hints = Vec::new();
+    simulation.set_interest(KindSet::ALL);
+    let keep = |record: &Record<'_>| -> Result<(), String> {
+        if let Event::Hint { text } = record.event {
+            hints.push(text.to_owned());
+        }
+        Ok(())
+    };
+    simulation.advance_with(time, keep).expect("no error is shown");
+    hints
+}
+
+#[test]
+fn a_submarine_meets_a_wall_at_every_slot_length() {
+    let text = "[world]\nfloor_mm = [20000, 6000]\nwater_mm = 2000\nwall = [{ from_mm = [19000, 0], to_mm = [19000, 6000] }]\n\
+                [[robot]]\ntype = \"Mako\"\nx_mm = 1000\ny_mm = 3000\nheading_deg = 5\n";
+    let poses = [50, 1_000, 60_000].map(|slot_ms| {
+        let mut simulation = simulate(text, slot_ms);
+        simulation.with_robot(ONE, |robot, world| robot.set_motors(world, [0, 2], 100));
+        simulation.advance_to(Time::from_millis(60_000));
+        let robot = &mut simulation.robot(ONE).clone();
+        (robot.motion.pose(robot.now), robot.motion.speed(robot.now).vx)
+    });
+    assert!(poses[0].0.position.x > 18.0 && poses[0].1 < 0.2, "it lies at the wall: {poses:?}");
+    assert!(poses.iter().all(|it| (it.0.position - poses[0].0.position).length() < 1e-9), "{poses:?}");
+}

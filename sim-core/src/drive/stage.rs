@@ -39,7 +39,7 @@ pub(super) struct Stage {
     pub is_placed: bool,
     /// True if the motion has random errors, which are valid for this tick only.
     has_random_errors: bool,
-    /// True if no later tick changes the motion.
+    /// True if no later tick changes the motion; for a hull, unless the hull meets a wall or a robot.
     is_steady: bool,
     /// Instant until which the robot moves without errors, because the errors would press the robot against a contact.
     error_free_until: Option<Time>,
@@ -496,14 +496,15 @@ impl Stage {
     /// Returns true if no tick starts another stage after this one.
     #[inline]
     pub fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
-        self.is_steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
+        vehicle.hull.is_none() && (self.is_steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none())
     }
 
     /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. It is the
     /// start of the stage if no better bound is known.
     pub fn unchanged_until(&self, vehicle: &Vehicle) -> Time {
         // Each interval along a wall is reported separately, so its end may come at any time: no bound is known.
-        if !self.has_no_ticks(vehicle) || !self.intervals.is_empty() {
+        let has_ticks = !self.is_steady && !self.has_no_ticks(vehicle);
+        if has_ticks || !self.intervals.is_empty() {
             return self.piece.start;
         }
         let explored_end = self.explored.min(self.piece.duration).max(0.0);
