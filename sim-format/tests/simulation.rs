@@ -414,3 +414,21 @@ fn a_submarine_meets_a_wall_at_every_slot_length() {
     assert!(poses[0].0.position.x > 18.0 && poses[0].1 < 0.2, "it lies at the wall: {poses:?}");
     assert!(poses.iter().all(|it| (it.0.position - poses[0].0.position).length() < 1e-9), "{poses:?}");
 }
+
+#[test]
+fn a_submarine_that_a_robot_blocks_can_sink() {
+    let text = "[world]\nfloor_mm = [10000, 6000]\nwater_mm = 4000\n[[robot]]\ntype = \"Mako\"\nx_mm = 1000\ny_mm = 3000\n\
+                [[robot]]\ntype = \"Mako\"\nx_mm = 4000\ny_mm = 3000\n";
+    let [short, long] = [50, 500].map(|slot_ms| {
+        let mut simulation = simulate(text, slot_ms);
+        simulation.with_robot(ONE, |robot, world| robot.set_motors(world, [0, 2], 100));
+        simulation.advance_to(Time::from_millis(12_000));
+        simulation.with_robot(ONE, |robot, world| robot.set_motors(world, [1, 3], -50));
+        simulation.advance_to(Time::from_millis(14_000));
+        let robot = &mut simulation.robot(ONE).clone();
+        assert!(robot.motion.is_stalled(robot.now));
+        (robot.motion.pose(robot.now).position.x, robot.motion.lift(robot.now), robot.motion.contacts(robot.now))
+    });
+    assert!(short.1 < 3.5 && short.2 == 1, "{short:?}");
+    assert!((short.0 - long.0).abs() < 1e-6 && (short.1 - long.1).abs() < 1e-6 && short.2 == long.2, "{long:?}");
+}

@@ -716,7 +716,7 @@ impl Motion {
         }
         let state = stage.state(&self.vehicle.model, at);
         let commands = stage.commands_at(at);
-        let next = Stage::open(
+        let mut next = Stage::open(
             &self.vehicle,
             at,
             state,
@@ -728,7 +728,8 @@ impl Motion {
         if next.blocker().is_some() {
             return false;
         }
-        self.stages.truncate(index + 1);
+        next.is_placed = stage.is_placed && stage.piece.start == at;
+        self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
         self.revision += 1;
         true

@@ -512,21 +512,32 @@ impl Stage {
     }
 
     /// The next stage of a hull, if a tick not later than `limit` starts one. If the hull's motion is steady, only the
-    /// first tick after a contact with a wall starts a new stage.
+    /// first tick after a contact with a wall, or after a robot has blocked the hull, starts a new stage.
     fn next_of_hull(&mut self, vehicle: &Vehicle, hull: &Hull, walls: &Walls, limit: Time) -> Option<Self> {
         let mut tick = self.next_tick();
         if tick > limit {
             return None;
         }
-        self.is_steady = step_hull(&vehicle.model, hull, &self.commands, &self.actuation) == self.actuation;
+        self.is_steady |= step_hull(&vehicle.model, hull, &self.commands, &self.actuation) == self.actuation;
         if self.is_steady {
             self.explore(vehicle, walls, (limit - self.piece.start).seconds());
-            let contact = self.piece.start + Time::from_seconds_ceil(self.intervals.first()?.begin);
-            tick = tick.max((contact + (TICK - Time(1))).floor_to(TICK));
+            let seconds = self.intervals.first().map_or(self.piece.duration, |interval| interval.begin);
+            if seconds == f64::INFINITY {
+                return None;
+            }
+            let contact = self.piece.start.saturating_add(Time::from_seconds_ceil(seconds));
+            tick = tick.max(contact.saturating_add(TICK - Time(1)).floor_to(TICK));
         } else {
             self.explore(vehicle, walls, (tick - self.piece.start).seconds());
         }
-        (tick <= limit && !self.piece.has_ended(tick)).then(|| self.open_at_tick(vehicle, tick))
+        (tick <= limit).then(|| {
+            let mut next = self.open_at_tick(vehicle, tick);
+            if let Some(blocker) = self.blocker().filter(|_| self.piece.has_ended(tick)) {
+                // Only a new command or a free path can free the hull from its blocker; it still rises or sinks.
+                next.stop(0.0, blocker, false);
+            }
+            next
+        })
     }
 
     /// Height of a hull's frame above the floor at `at`, m; 0 for other robots.
