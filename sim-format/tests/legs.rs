@@ -430,6 +430,22 @@ fn a_natural_walk_is_near_its_source() {
     );
 }
 
+#[test]
+fn the_body_of_a_placed_robot_does_not_bob() {
+    let legs = Arc::new(person());
+    let speed = legs.natural_speed(&legs.gaits[0]).expect("a natural gait");
+    // One placement in a steady walk, one while the walk begins.
+    for placed_at in [Time(4_000_000), Time(300_000)] {
+        let mut motion = walker(&legs);
+        motion.command(Time(0), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("can be driven");
+        let before = motion.lift(placed_at - Time(1));
+        motion.place(placed_at, Pose::default()).expect("a pose");
+        let mut lift = |ms: i64| motion.lift(placed_at + Time(1_000 * ms));
+        assert!((lift(-1) - before).abs() < 3e-4 && before.abs() > 5e-4, "{before}");
+        assert_eq!([0, 1, 100, 200, 300, 1_000, 5_000].map(&mut lift), [0.0; 7]);
+    }
+}
+
 /// Biped of 1.75 m height, as in robis/biped.toml.
 fn person() -> Legs {
     let foot = Some(Foot { heel: 0.055, toe: 0.16, height: 0.068 });

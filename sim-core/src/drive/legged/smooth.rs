@@ -21,10 +21,15 @@ pub(super) struct SmoothValue {
     base: f64,
     /// Start, duration and height of each step.
     steps: Vec<(Time, Time, f64)>,
+    /// Instant from which the value is 0, whatever the steps.
+    end: Option<Time>,
 }
 
 impl SmoothValue {
     pub fn at(&self, at: Time) -> f64 {
+        if self.end.is_some_and(|end| end <= at) {
+            return 0.0;
+        }
         self.steps
             .iter()
             .fold(self.base, |sum, (start, span, change)| sum + change * smooth(elapsed_fraction(at, *start, *span)))
@@ -32,6 +37,9 @@ impl SmoothValue {
 
     /// Final value.
     pub fn goal(&self) -> f64 {
+        if self.end.is_some() {
+            return 0.0;
+        }
         self.steps.iter().fold(self.base, |sum, (_, _, change)| sum + change)
     }
 
@@ -43,9 +51,14 @@ impl SmoothValue {
         }
     }
 
+    /// Sets the value to 0 from `at` on, without a transition.
+    pub fn end(&mut self, at: Time) {
+        self.end.get_or_insert(at);
+    }
+
     /// Returns true if the value is constant from `at` on.
     pub fn is_constant_from(&self, at: Time) -> bool {
-        self.steps.iter().all(|(start, span, _)| *start + *span <= at)
+        self.end.map_or_else(|| self.steps.iter().all(|(start, span, _)| *start + *span <= at), |end| end <= at)
     }
 
     /// Drops the oldest steps if they have ended at `at`. Values from `at` on stay bit-identical, because the sum
@@ -77,6 +90,9 @@ mod tests {
         for at in 120..160 {
             assert_eq!(value.at(Time(at)), forgot.at(Time(at)));
         }
+        value.end(Time(80));
+        assert_eq!([79, 80, 150].map(|at| value.at(Time(at)) != 0.0), [true, false, false]);
+        assert!(value.goal() == 0.0 && value.is_constant_from(Time(80)) && !value.is_constant_from(Time(79)));
         assert_eq!((smooth(-1.0), smooth(0.5), smooth(2.0)), (0.0, 0.5, 1.0));
     }
 }

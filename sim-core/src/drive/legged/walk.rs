@@ -360,7 +360,7 @@ impl Steps {
         }
     }
 
-    /// Places all feet at their neutral positions.
+    /// Places all feet at their neutral positions; the body no longer bobs.
     fn place(&mut self, inputs: &DecisionInputs, at: Time, pose: &Pose) {
         for (leg, steps) in inputs.legs.legs.iter().zip(&mut self.feet) {
             let hip = pose.transform_point(leg.hip.truncate());
@@ -382,6 +382,7 @@ impl Steps {
                 is_placed,
             });
         }
+        self.clocks.iter_mut().for_each(|(_, scale)| scale.end(at));
         self.is_walking = false;
     }
 
