@@ -364,6 +364,15 @@ fn who_comes_is_seen_and_who_leaves_is_not() {
     act(&mut simulation, Action::AddRobot { kind: s4, program_of: None, x_m: 1.4, y_m: 1.1, phi_rad: 0.0 });
     act(&mut simulation, Action::AddObject { kind: can, x_m: 1.3, y_m: 0.6, phi_rad: 0.0 });
     assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [true, true]);
+    // A simulation that gets its visuals only now shows them, too.
+    let mut late = Simulation::new(&CROWD, &Options::default()).expect("robots that can be simulated");
+    for (x_m, y_m) in [(1.4, 1.1), (1.3, 0.6)] {
+        let [s4, can] = ["S4", "Can"].map(str::to_owned);
+        act(&mut late, Action::AddRobot { kind: s4, program_of: None, x_m, y_m, phi_rad: 0.0 });
+        act(&mut late, Action::AddObject { kind: can, x_m: 1.4, y_m: 0.5, phi_rad: 0.0 });
+    }
+    late.set_visuals(VISUALS.clone());
+    assert_eq!([sees(&mut late, robot), sees(&mut late, object)], [true, true]);
     act(&mut simulation, Action::RemoveRobot { robot: 4 });
     act(&mut simulation, Action::RemoveObject { object: 4 });
     assert_eq!([sees(&mut simulation, robot), sees(&mut simulation, object)], [false, false]);

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::Refusal;
 use super::intervention::checked_pose;
-use crate::RobotId;
-use crate::build;
+use crate::build::{self, SpawnedEntity};
 use crate::pose::Pose;
 use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use crate::world::World;
+use crate::{ObjectId, RobotId};
 
 /// Maximum number of robots that can be added after the start of a simulation. Removed robots are included, because
 /// each keeps its id and its record. Our choice.
@@ -69,6 +69,14 @@ impl Roster {
     /// All movable objects, in the order of their ids.
     pub fn objects(&self) -> &[ObjectSpec] {
         &self.objects
+    }
+
+    /// The robots and objects that were added after the start.
+    pub(super) fn added(&self) -> impl Iterator<Item = SpawnedEntity> {
+        let [robots, objects] = self.initial_counts;
+        let robots = self.robots[robots..].iter().map(|spec| SpawnedEntity::Robot(spec.id, Arc::clone(&spec.robi)));
+        let objects = (objects..).map(ObjectId::from_index).zip(&self.objects[objects..]);
+        robots.chain(objects.map(|(id, spec)| SpawnedEntity::Object(id, Arc::clone(&spec.kind))))
     }
 
     /// Spec of a new robot of the type `kind` at `start`: x and y in m, heading in rad. It runs the program of the

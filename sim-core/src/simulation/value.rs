@@ -265,8 +265,10 @@ impl Simulation {
         self.robots[id.index()].motion.odometry(self.now)
     }
 
-    /// Sets the visuals for cameras; later copies share them. Without visuals there are no images.
-    pub fn set_visuals(&mut self, visuals: Visuals) {
+    /// Sets the visuals of the scene for cameras; later copies share them. Without visuals there are no images. Robots
+    /// and objects that were added before appear like those that are added later.
+    pub fn set_visuals(&mut self, mut visuals: Visuals) {
+        visuals.add(self.roster.added(), &mut NoMeshes);
         self.visuals = Some(Arc::new(visuals));
     }
 
