@@ -441,3 +441,27 @@ fn a_submarine_that_a_robot_blocks_can_sink() {
     assert!(short.1 < 3.5 && short.2 == 1, "{short:?}");
     assert!((short.0 - long.0).abs() < 1e-6 && (short.1 - long.1).abs() < 1e-6 && short.2 == long.2, "{long:?}");
 }
+
+#[test]
+fn a_robot_that_has_failed_or_was_removed_obeys_no_command() {
+    let radio = "[[fault]]\nkind = \"radio_off\"\nat_s = 0.5\nfor_s = 1\n";
+    let second = "[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 500\n";
+    let mut simulation = simulate(&format!("{ALONE}{second}[[fault]]\nkind = \"dies\"\nat_s = 1\n{radio}"), 50);
+    for step in 1..20 {
+        drive(&mut simulation, 0.1);
+        simulation.advance_to(Time::from_millis(100 * step));
+    }
+    assert!((simulation.pose(ONE).position.x - 2.1).abs() < 1e-9, "{:?}", simulation.pose(ONE));
+    for number in 1..=2 {
+        simulation.with_robot(RobotId(number), |robot, world| robot.switch_radio_on(world, number, 9_600));
+    }
+    simulation.advance_to(Time::from_millis(2_000));
+    simulation.with_robot(ONE, |robot, world| robot.send_message(world, Address::All, b"a").expect("there is room"));
+    simulation.advance_to(Time::from_millis(3_000));
+    assert_eq!(simulation.with_robot(RobotId(2), |robot, _| robot.receive_message()), None, "its radio stays silent");
+    let mut simulation = simulate(&format!("{ALONE}{second}"), 50);
+    simulation.act(&Action::RemoveRobot { robot: 1 }).expect("it is done");
+    drive(&mut simulation, 0.1);
+    simulation.advance_to(Time::from_millis(1_000));
+    assert_eq!(simulation.pose(ONE).position.x, 2.0);
+}

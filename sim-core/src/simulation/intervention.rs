@@ -129,11 +129,11 @@ pub enum Intervention {
     AddObject(Box<ObjectSpec>),
     /// Removes a movable object.
     RemoveObject(ObjectId),
-    /// Switches off the radio of a robot that the caller has halted.
+    /// Makes a robot that the caller has halted fail: its radio is silent, and it does not drive again.
     HaltRobot(RobotId),
     /// Makes the range sensors of this name repeat their reading, or measure again.
     StickSensor(RobotId, String, bool),
-    /// Switches a robot's radio on (true) or off.
+    /// Switches a robot's radio on (true) or off; the radio of a halted robot stays off.
     SwitchRadio(RobotId, bool),
 }
 
@@ -298,13 +298,19 @@ impl Environment {
             Intervention::RemoveObject(object) => world.remove_object(*object),
             Intervention::HaltRobot(id) => {
                 world.radio_mut().set_silent(*id, true);
-                robots.with(*id, |robot| world.republish(&mut robot.motion));
+                robots.with(*id, |robot| {
+                    robot.is_halted = true;
+                    world.republish(&mut robot.motion);
+                });
                 return Effect::of_robot(*id);
             }
             Intervention::StickSensor(id, sensor, is_stuck) => {
                 robots.with(*id, |robot| robot.stick_sensor(world, at, sensor, *is_stuck));
             }
-            Intervention::SwitchRadio(id, is_on) => world.radio_mut().set_silent(*id, !is_on),
+            Intervention::SwitchRadio(id, is_on) => {
+                let is_halted = robots.with(*id, |robot| robot.is_halted);
+                world.radio_mut().set_silent(*id, !is_on || is_halted);
+            }
         }
         Effect::default()
     }

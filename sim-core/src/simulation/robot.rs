@@ -41,6 +41,8 @@ pub struct Robot {
     pub id: RobotId,
     /// True once the robot has been removed from the world.
     pub is_removed: bool,
+    /// True once the robot has failed: its drive obeys no command, and its radio stays silent.
+    pub is_halted: bool,
     /// Virtual time: the end of the last call, or the start of the call in progress.
     pub now: Time,
     /// Radio; `None` until it is first switched on.
@@ -127,6 +129,7 @@ impl Robot {
             station: None,
             placements: Vec::new(),
             is_removed: false,
+            is_halted: false,
             noise: Profile::default(),
             seed,
             recorded_pose,
@@ -232,11 +235,14 @@ impl Robot {
         readings.into_iter().chain(self.motion.hot_memory()).chain(self.journal.hot_memory())
     }
 
-    /// Commands the drive at the robot's present virtual time.
+    /// Commands the drive at the robot's present virtual time. A robot that has failed or was removed does not obey.
     ///
     /// # Errors
     /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
     pub fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
+        if self.is_halted || self.is_removed {
+            return Ok(());
+        }
         let touching = world.touching(&mut self.motion, self.now);
         self.motion.command(self.now, command, &touching)
     }

@@ -161,7 +161,7 @@ impl Simulation {
         act(&mut self.robots[id.index()], &self.environment.world)
     }
 
-    /// Commands the drive of robot `id` at the present time.
+    /// Commands the drive of robot `id` at the present time. A robot that has failed or was removed does not obey.
     ///
     /// # Errors
     /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
