@@ -465,3 +465,21 @@ fn a_robot_that_has_failed_or_was_removed_obeys_no_command() {
     simulation.advance_to(Time::from_millis(1_000));
     assert_eq!(simulation.pose(ONE).position.x, 2.0);
 }
+
+#[test]
+fn a_motor_does_not_start_the_others_of_a_placed_robot() {
+    let mut simulation = simulate(ALONE, 50);
+    let set = |simulation: &mut Simulation, motors: &[usize], percent| {
+        simulation.with_robot(ONE, |robot, world| robot.set_motors(world, motors.iter().copied(), percent));
+    };
+    set(&mut simulation, &[0, 1], 20);
+    simulation.advance_to(Time::from_millis(500));
+    simulation.act(&Action::PlaceRobot { robot: 1, x_m: 2.0, y_m: 1.0, phi_rad: 0.0 }).expect("it is done");
+    let angles = |simulation: &Simulation| simulation.robot(ONE).clone().motion.wheel_angles(simulation.now());
+    let before = angles(&simulation);
+    assert!(before[0] > 0.0 && before[0] == before[1]);
+    set(&mut simulation, &[0], 20);
+    simulation.advance_to(Time::from_millis(1_000));
+    let after = angles(&simulation);
+    assert!((after[0] - 2.0 * before[0]).abs() < 1e-9 && after[1] == before[1], "{before:?} {after:?}");
+}

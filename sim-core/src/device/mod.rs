@@ -36,8 +36,6 @@ pub struct Devices {
     pub compass: compass::Compass,
     /// The scanner with the fan of rays that a program has set; `None` while the settings of the robi apply.
     pub scanner: Option<range::Scanner>,
-    /// Motor commands, in percent of the motors' maximum rate.
-    pub motor_percent: [i32; 4],
     /// Encoders of the wheels.
     pub encoders: encoder::Encoders,
     /// Servos.

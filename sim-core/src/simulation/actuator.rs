@@ -26,17 +26,14 @@ impl Robot {
     }
 
     /// Sets the motors with these indices to a percentage of the wheels' maximum rate, -100 to 100. Other motors keep
-    /// their rates; indices without a motor are ignored.
+    /// their commanded rates; indices without a motor are ignored.
     pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
-        let count = self.spec.drive.motors.len().min(self.devices.motor_percent.len());
-        for index in motors.into_iter().filter(|index| *index < count) {
-            self.devices.motor_percent[index] = percent;
-            let device = &self.spec.drive.motors[index].motor;
-            self.journal.record(self.now, &Event::Motor { device, percent });
+        let rate = f64::from(percent) / 100.0 * self.motion.model().max_wheel_rate;
+        for wheel in motors {
+            let Some(motor) = self.spec.drive.motors.get(wheel) else { continue };
+            self.journal.record(self.now, &Event::Motor { device: &motor.motor, percent });
+            // A motor that drives no wheel of this drive has no effect.
+            let _ = self.command(world, Command::Wheel { wheel, rate });
         }
-        let max_rate = self.motion.model().max_wheel_rate;
-        let rates = self.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * max_rate);
-        // The command is never rejected: the rates are finite.
-        let _ = self.command(world, Command::Wheels(rates));
     }
 }
