@@ -467,6 +467,18 @@ fn a_robot_that_has_failed_or_was_removed_obeys_no_command() {
 }
 
 #[test]
+fn a_fault_acts_from_the_start_of_its_slot() {
+    for (at_ms, at) in [(0, "0"), (1_000, "1.02")] {
+        let mut simulation =
+            simulate(&format!("{ALONE}[[fault]]\nkind = \"sensor_off\"\nsensor = \"PSD_FRONT\"\nat_s = {at}\n"), 50);
+        simulation.advance_to(Time::from_millis(at_ms - 50));
+        assert_eq!(simulation.range(ONE, 0).is_some(), at_ms > 0);
+        simulation.advance_to(Time::from_millis(at_ms));
+        assert_eq!(simulation.range(ONE, 0), None, "{at}");
+    }
+}
+
+#[test]
 fn a_motor_does_not_start_the_others_of_a_placed_robot() {
     let mut simulation = simulate(ALONE, 50);
     let set = |simulation: &mut Simulation, motors: &[usize], percent| {

@@ -97,7 +97,9 @@ impl Simulation {
         let until = scene.run.until.unwrap_or(Time::NEVER);
         let noise = |id: RobotId| robots.get(id.index()).map(|robot: &Robot| robot.noise().clone()).unwrap_or_default();
         let faults = Faults::new(&scene.faults, seed, until, noise);
-        Ok(Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) })
+        let mut simulation = Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) };
+        simulation.apply_faults();
+        Ok(simulation)
     }
 
     /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start
@@ -335,23 +337,25 @@ impl Simulation {
     ) -> Result<(), E> {
         while self.now < time {
             let slot_end = self.world().slot_end();
-            self.apply_faults(slot_end);
             self.pass_to(time.min(slot_end));
             if time < slot_end {
                 break;
             }
             self.end_slot();
             let ended = self.environment.recorder().end_slot(slot_end, &mut visit);
+            if ended.is_ok() {
+                self.skip_to(time);
+            }
+            self.apply_faults();
             ended?;
-            self.skip_to(time);
         }
         Ok(())
     }
 
-    /// Applies the faults before `slot_end`, if the present slot has just begun. Skips a fault that cannot be applied,
-    /// such as a fault of a removed robot.
-    fn apply_faults(&mut self, slot_end: Time) {
-        while self.now == self.world().slot_start() && self.faults.next().is_some_and(|at| at < slot_end) {
+    /// Applies the faults of the present slot, which has just begun. Skips a fault that cannot be applied, such as a
+    /// fault of a removed robot.
+    fn apply_faults(&mut self) {
+        while self.faults.next().is_some_and(|at| at < self.world().slot_end()) {
             let action = self.faults.pop().map(|(_, action)| action);
             action.into_iter().for_each(|action| _ = self.act(&action));
         }
