@@ -1,7 +1,5 @@
 //! Faults of a scene, converted to timed interventions.
 
-use std::collections::VecDeque;
-
 use crate::RobotId;
 use crate::math;
 use crate::noise::{Profile, Purpose, Stream, name_key};
@@ -9,13 +7,33 @@ use crate::record::Action;
 use crate::spec::{FaultKind, FaultSpec, FaultTime, SlippingWheels};
 use crate::time::Time;
 
-/// Maximum number of times that a random fault begins.
-const MAX_OCCURRENCES: usize = 10_000;
-
 /// Pending faults of a run: interventions in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
-    actions: VecDeque<(Time, Action)>,
+    pending: Vec<Pending>,
+    /// No fault begins or ends at this instant or later.
+    until: Time,
+}
+
+/// A fault whose occurrences are drawn one after the other.
+#[derive(Clone, Debug)]
+struct Pending {
+    fault: FaultSpec,
+    /// The intervention that restores the target if no other fault acts on it; `None` for a fault that cannot end.
+    end_action: Option<Action>,
+    stream: Stream,
+    /// The present or next occurrence; `None` if there is no other.
+    episode: Option<Episode>,
+    /// True if the occurrence has begun.
+    has_begun: bool,
+}
+
+/// One occurrence of a fault.
+#[derive(Clone, Copy, Debug)]
+struct Episode {
+    begin: Time,
+    /// Its end, also in seconds; `None` if it lasts to the end of the run.
+    end: Option<(Time, f64)>,
 }
 
 impl Faults {
@@ -25,90 +43,88 @@ impl Faults {
     ///
     /// Each fault draws its random numbers from its own stream, keyed by the seed and its name.
     pub fn new(faults: &[FaultSpec], seed: u64, until: Time, noise_of: impl Fn(RobotId) -> Profile) -> Self {
-        let episodes: Vec<Vec<Episode>> = faults.iter().map(|fault| episodes(fault, seed, until)).collect();
-        let mut actions: Vec<(Time, Action)> = Vec::new();
-        for (fault, own) in faults.iter().zip(&episodes) {
-            let noise = noise_of(fault.robot);
-            let end_without_others = end_action(fault, &noise);
-            let mut schedule = |at: Time, action: Option<Action>| {
-                if let Some(action) = action.filter(|_| at < until) {
-                    let name = fault.title().to_owned();
-                    actions.push((at, Action::Fault { name, action: Box::new(action) }));
-                }
+        let pending = faults.iter().map(|fault| {
+            let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
+            let begin = match fault.time {
+                FaultTime::Once { at, probability } => (stream.unit() < probability).then_some(at),
+                FaultTime::Random { per_minute } => Some(random_time(&mut stream, 0.0, per_minute)),
             };
-            for episode in own {
-                schedule(episode.begin, Some(begin_action(fault)));
-                let Some(end) = episode.end else { continue };
-                // Of the other faults of the same target, the one that began last takes over.
-                let others = faults.iter().zip(&episodes).filter(|(other, _)| has_same_target(fault, other));
-                let active = others.filter_map(|(other, all)| Some((last_active(all, end)?.begin, other)));
-                let heir = active.max_by_key(|(begin, _)| *begin).map(|(_, other)| begin_action(other));
-                schedule(end, heir.or_else(|| end_without_others.clone()));
-            }
-        }
-        actions.sort_by_key(|(at, _)| *at);
-        Self { actions: actions.into() }
+            let episode = begin.map(|begin| Episode::new(fault, begin));
+            let end_action = end_action(fault, &noise_of(fault.robot));
+            Pending { fault: fault.clone(), end_action, stream, episode, has_begun: false }
+        });
+        Self { pending: pending.collect(), until }
     }
 
     /// Instant of the next intervention.
     pub fn next(&self) -> Option<Time> {
-        self.actions.front().map(|(at, _)| *at)
+        self.first().map(|(at, _)| at)
     }
 
     /// Removes and returns the next intervention.
     pub fn pop(&mut self) -> Option<(Time, Action)> {
-        self.actions.pop_front()
+        let (at, index) = self.first()?;
+        let pending = &mut self.pending[index];
+        let action = if pending.has_begun {
+            pending.end();
+            let pending = &self.pending[index];
+            // Of the other faults of the same target, the one that began last takes over.
+            let others = self.pending.iter().filter(|other| has_same_target(&pending.fault, &other.fault));
+            let active = others.filter_map(|other| Some((other.active(at)?.begin, &other.fault)));
+            let heir = active.max_by_key(|(begin, _)| *begin).map(|(_, other)| begin_action(other));
+            heir.or_else(|| pending.end_action.clone())?
+        } else {
+            pending.has_begun = true;
+            begin_action(&pending.fault)
+        };
+        let name = self.pending[index].fault.title().to_owned();
+        Some((at, Action::Fault { name, action: Box::new(action) }))
+    }
+
+    /// Instant of the next intervention, and index of its fault. Of simultaneous ones, the first fault comes first.
+    fn first(&self) -> Option<(Time, usize)> {
+        let instants = self.pending.iter().enumerate().filter_map(|(index, pending)| Some((pending.next()?, index)));
+        instants.min().filter(|(at, _)| *at < self.until)
     }
 }
 
-/// Instants at which `fault` begins, s.
-fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
-    let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
-    match fault.time {
-        FaultTime::Once { at, probability } => {
-            if stream.unit() < probability {
-                vec![at]
-            } else {
-                Vec::new()
-            }
+impl Pending {
+    /// Instant at which the fault next begins or ends.
+    fn next(&self) -> Option<Time> {
+        let Episode { begin, end } = self.episode?;
+        if !self.has_begun {
+            return Some(begin);
         }
-        FaultTime::Random { per_minute } => {
-            let mut instants = Vec::new();
-            let mut at = 0.0;
-            while instants.len() < MAX_OCCURRENCES {
-                at -= math::ln(1.0 - stream.unit()) * 60.0 / per_minute;
-                if at >= until {
-                    break;
-                }
-                instants.push(at);
-                match fault.duration {
-                    Some(duration) => at += duration,
-                    None => break,
-                }
-            }
-            instants
+        end.filter(|_| self.end_action.is_some()).map(|(end, _)| end)
+    }
+
+    /// Ends the present occurrence and draws the next one.
+    fn end(&mut self) {
+        let end = self.episode.take().and_then(|episode| episode.end);
+        self.has_begun = false;
+        if let (FaultTime::Random { per_minute }, Some((_, end))) = (self.fault.time, end) {
+            let begin = random_time(&mut self.stream, end, per_minute);
+            self.episode = Some(Episode::new(&self.fault, begin));
         }
+    }
+
+    /// The occurrence that is active right after `at`.
+    fn active(&self, at: Time) -> Option<Episode> {
+        self.episode.filter(|episode| episode.begin <= at && episode.end.is_none_or(|(end, _)| end > at))
     }
 }
 
-/// One occurrence of a fault.
-struct Episode {
-    begin: Time,
-    /// `None` if it lasts to the end of the run.
-    end: Option<Time>,
+impl Episode {
+    /// The occurrence of `fault` that begins `begin` seconds after the start of the run.
+    fn new(fault: &FaultSpec, begin: f64) -> Self {
+        let end = fault.duration.map(|duration| begin + duration);
+        Self { begin: Time::from_seconds_ceil(begin), end: end.map(|end| (Time::from_seconds_ceil(end), end)) }
+    }
 }
 
-/// The occurrences of `fault` in order of time; they do not overlap.
-fn episodes(fault: &FaultSpec, seed: u64, until: Time) -> Vec<Episode> {
-    let instant = Time::from_seconds_ceil;
-    let episode = |at: f64| Episode { begin: instant(at), end: fault.duration.map(|duration| instant(at + duration)) };
-    start_times(fault, seed, until.seconds()).into_iter().map(episode).collect()
-}
-
-/// The episode of a fault that is active right after `at`.
-fn last_active(episodes: &[Episode], at: Time) -> Option<&Episode> {
-    let begun = episodes.partition_point(|episode| episode.begin <= at);
-    episodes[..begun].last().filter(|last| last.end.is_none_or(|end| end > at))
+/// The first instant after `since` at which a fault with this rate begins, in seconds.
+fn random_time(stream: &mut Stream, since: f64, per_minute: f64) -> f64 {
+    since - math::ln(1.0 - stream.unit()) * 60.0 / per_minute
 }
 
 /// Returns true if two faults act on the same sensor, radio or noise parameter of a robot.
@@ -192,6 +208,16 @@ mod tests {
         let begun = times.iter().filter(|(_, is_begin)| *is_begin).count() as f64;
         assert!((begun - 60_000.0 / 33.0).abs() < 4.0 * (60_000.0_f64 / 33.0).sqrt(), "{begun}");
         assert!(times.windows(2).all(|pair| pair[0].1 != pair[1].1), "begin and end alternate");
+    }
+
+    #[test]
+    fn random_faults_occur_until_the_end_of_the_run() {
+        let radio = fault("radio", FaultTime::Random { per_minute: 1000.0 }, Some(0.01));
+        // On average, each cycle has 60 ms without the fault and 10 ms with it.
+        let until = 1_000.0;
+        let mut faults = Faults::new(&[radio], 7, Time::from_seconds_ceil(until), |_| Profile::default());
+        let begun = 0.5 * std::iter::from_fn(|| faults.pop()).count() as f64;
+        assert!((begun - until / 0.07).abs() < 4.0 * (until / 0.07).sqrt(), "{begun}");
     }
 
     #[test]
