@@ -479,6 +479,25 @@ fn a_fault_acts_from_the_start_of_its_slot() {
 }
 
 #[test]
+fn a_stuck_sensor_keeps_its_reading_while_it_is_off() {
+    let fault = |name: &str, kind: &str, at: u32, lasts: u32| {
+        format!(
+            "[[fault]]\nname = \"{name}\"\nkind = \"{kind}\"\nsensor = \"PSD_FRONT\"\nat_s = {at}\nfor_s = {lasts}\n"
+        )
+    };
+    let faults = [fault("a", "sensor_stuck", 1, 3), fault("b", "sensor_stuck", 2, 6), fault("c", "sensor_off", 3, 2)];
+    let mut simulation = simulate(&format!("{ALONE}{}", faults.concat()), 50);
+    drive(&mut simulation, 0.05);
+    let readings = [500, 1_000, 2_000, 3_000, 6_000, 8_000].map(|ms| {
+        simulation.advance_to(Time::from_millis(ms));
+        simulation.range(ONE, 0)
+    });
+    let [before, stuck, .., after] = readings;
+    assert!(before > stuck && stuck > after && after.is_some(), "{readings:?}");
+    assert_eq!(readings[1..5], [stuck, stuck, None, stuck]);
+}
+
+#[test]
 fn a_motor_does_not_start_the_others_of_a_placed_robot() {
     let mut simulation = simulate(ALONE, 50);
     let set = |simulation: &mut Simulation, motors: &[usize], percent| {

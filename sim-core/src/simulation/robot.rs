@@ -216,15 +216,18 @@ impl Robot {
     }
 
     /// If `is_stuck`, makes the range sensors with this name repeat their reading at `at`, the start of a slot, from
-    /// then on; otherwise makes them measure again.
+    /// then on; a stuck sensor keeps the reading that it repeats. Otherwise makes them measure again.
     pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
         let spec = Arc::clone(&self.spec);
         self.devices.psds.forget_unread();
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
             let SensorId::Range(index) = sensor else { continue };
             let Self { motion, devices: Devices { ranges, servos, switches, .. }, .. } = self;
-            let reading = is_stuck
-                .then(|| measure_range((ranges, servos, switches), motion, &world.caster(motion.id(), at), index));
+            let reading = is_stuck.then(|| {
+                let measure =
+                    || measure_range((ranges, servos, switches), motion, &world.caster(motion.id(), at), index);
+                switches.stuck_reading(index).unwrap_or_else(measure)
+            });
             switches.set_stuck(index, reading);
         }
     }
