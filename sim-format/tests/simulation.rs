@@ -498,6 +498,19 @@ fn a_stuck_sensor_keeps_its_reading_while_it_is_off() {
 }
 
 #[test]
+fn a_robot_that_is_placed_outside_has_not_left_the_floor() {
+    let mut simulation = simulate(ALONE, 50);
+    simulation.advance_to(Time::from_millis(100));
+    simulation.act(&Action::PlaceRobot { robot: 1, x_m: 6.0, y_m: 1.0, phi_rad: 0.0 }).expect("it is done");
+    drive(&mut simulation, 0.1);
+    assert_eq!(hints(&mut simulation, Time::from_millis(1_000)), [""; 0]);
+    simulation.act(&Action::PlaceRobot { robot: 1, x_m: 2.0, y_m: 2.9, phi_rad: 1.57 }).expect("it is done");
+    drive(&mut simulation, 0.2);
+    let hints = hints(&mut simulation, Time::from_millis(3_000));
+    assert!(hints.len() == 1 && hints[0].contains("has left the floor"), "{hints:?}");
+}
+
+#[test]
 fn a_motor_does_not_start_the_others_of_a_placed_robot() {
     let mut simulation = simulate(ALONE, 50);
     let set = |simulation: &mut Simulation, motors: &[usize], percent| {

@@ -74,9 +74,9 @@ pub struct Robot {
 struct FloorMonitor {
     /// Lower left and upper right corner, m.
     corners: (DVec2, DVec2),
-    /// Time at which the detection started.
+    /// Time at which the detection started, or of the last placement.
     since: Time,
-    /// True once the robot's centre has been on the floor at the start of the detection or at the end of a slot.
+    /// True once the robot's centre has been on the floor at `since` or at the end of a later slot.
     has_been_on: bool,
     /// Instant at which the robot first left the floor.
     left_at: Option<Time>,
@@ -419,8 +419,11 @@ impl Robot {
     }
 
     /// Records that the robot `by`, or an intervention if `by` is [`WORLD`](crate::record::WORLD), has placed this
-    /// robot at `pose` at the time `at`.
+    /// robot at `pose` at the time `at`. A robot that is placed outside the floor has not left it.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
+        if let Some(floor) = &mut self.floor {
+            (floor.since, floor.has_been_on) = (at, floor.contains(pose.position));
+        }
         let Pose { position, heading } = pose;
         let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };
         self.journal.record(at, &event);
