@@ -112,7 +112,9 @@ impl Psds {
 
     /// Returns true if the value of a sensor that measured at `measured_at` must be computed.
     fn is_missing(&self, index: usize, measured_at: Time, revision: u64) -> bool {
-        let is_current = self.read >> index & 1 == 1 || self.revision == Some(revision);
+        // The value of an earlier measurement is final.
+        let is_final = self.read >> index & 1 == 1 || self.stamp != Some(measured_at);
+        let is_current = is_final || self.revision == Some(revision);
         self.readings
             .get(index)
             .is_some_and(|it| it.measured_at == Some(measured_at) && (it.value.is_none() || !is_current))
@@ -274,6 +276,19 @@ mod tests {
         assert!(psds.start(1, true, Time(9_000_000)));
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
         assert_eq!(psds.read(0, Time(9_000_001), 5, measure), reading, "the old value stays");
+    }
+
+    #[test]
+    fn a_value_of_an_earlier_measurement_stays() {
+        let mut psds = Psds::default();
+        psds.start(0b01, false, Time(0));
+        psds.settle(Time(60_000), 5, measure);
+        let reading = psds.read(0, Time(60_000), 5, unexpected);
+        psds.start(0b10, true, Time(100_000));
+        assert_eq!(psds.read(1, Time(160_000), 6, measure), measured(Time(160_000), 1.16));
+        assert_eq!(psds.read(1, Time(220_000), 6, measure), measured(Time(220_000), 1.22));
+        psds.forget_unread();
+        assert_eq!(psds.read(0, Time(230_000), 7, unexpected), reading);
     }
 
     #[test]
