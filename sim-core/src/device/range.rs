@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use crate::RobotId;
 use crate::build;
-use crate::drive::Motion;
 use crate::drive::legged::Stance;
+use crate::drive::{DriveKind, Motion};
 use crate::noise::{EventStreams, Profile, RangeErrors, RangeKind};
 use crate::pose::{Link, Pose3};
 use crate::sensor::{Fan, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
@@ -208,8 +208,8 @@ impl Scanner {
     pub fn new(spec: &RobiSpec, lidar: &LidarSpec, [sweep, tilt]: [f64; 2], points: u32) -> Self {
         let LidarSpec { mount, range, .. } = lidar;
         let fan = Fan { sweep, points, tilt, height: mount.position.z, range: *range };
-        // A walking body moves up and down, so the height of its scanner varies.
-        if mount.is_level() && spec.legs.is_none() {
+        // A walking body and a submarine move up and down, so the height of their scanner varies.
+        if mount.is_level() && !matches!(spec.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
             return Self::Level(Scan::new(Mount::new(mount.position.x, mount.position.y, mount.yaw), fan));
         }
         let (mount, link) = build::scanner_mount(spec, lidar);

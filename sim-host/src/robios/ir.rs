@@ -17,12 +17,12 @@ use sim_core::record::Event;
 
 /// Pose of each infrared sensor in the world at time `at`, and the distance to the surface in front of it.
 pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
-    let world_from_robot = robot.motion.pose(at);
+    let (world_from_robot, lift) = (robot.motion.pose(at), robot.motion.lift(at));
     let view = |infrared: &InfraredSpec| {
         let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
         let beam = Beam { mount, range: infrared.range };
         let world_from_sensor =
-            Pose3::from_planar(&world_from_robot.compose(&mount.robot_from_sensor), infrared.position.z);
+            Pose3::from_planar(&world_from_robot.compose(&mount.robot_from_sensor), infrared.position.z + lift);
         SensorView {
             world_from_sensor,
             range: beam.range,
