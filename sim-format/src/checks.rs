@@ -7,7 +7,7 @@ use sim_core::scene::Bounds;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec};
+use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec, SwarmMetric};
 
 /// Maximum number of squares of an area. Our choice.
 const MAX_SQUARES: f64 = 1e6;
@@ -46,7 +46,9 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
             let message = format!("the check of line {line} is named `{}`, too", check.name);
             sink.error(Code::CheckName, check.span, message, "each name once");
         }
-        if let CheckKind::Coverage { area, cell, .. } = &check.kind {
+        if let CheckKind::Coverage { area, cell, .. }
+        | CheckKind::Swarm { metric: SwarmMetric::Coverage { area, cell, .. }, .. } = &check.kind
+        {
             let size = match area {
                 Some(corners) => {
                     let bounds = Bounds::of_points(corners.iter().copied());
@@ -70,5 +72,23 @@ fn expected_ids(count: usize, noun: &str) -> String {
         0 => format!("the scene has no {noun}"),
         1 => format!("1: the scene has one {noun}"),
         _ => format!("a number from 1 to {count}: the scene has {count} {noun}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Code;
+    use crate::{MemoryFiles, load_scene};
+
+    #[test]
+    fn areas_have_at_most_a_million_squares() {
+        for kind in ["kind = \"coverage\"\nshare_percent = 50", "kind = \"swarm\"\nof = \"coverage\"\nmin = 0.5"] {
+            let area = "width_mm = 100\ncell_mm = 1\narea_mm = [[0, 0], [1001, 1000]]";
+            let robot = "[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500";
+            let text = format!("[world]\nfloor_mm = [3000, 2000]\n{robot}\n[[check]]\n{kind}\n{area}\n");
+            let files: MemoryFiles = [("a.scene.toml", &*text)].into_iter().collect();
+            let codes: Vec<Code> = load_scene("a.scene.toml", &files).diagnostics.iter().map(|it| it.code).collect();
+            assert_eq!(codes, [Code::NumberRange], "{kind}");
+        }
     }
 }
