@@ -527,3 +527,28 @@ fn a_motor_does_not_start_the_others_of_a_placed_robot() {
     let after = angles(&simulation);
     assert!((after[0] - 2.0 * before[0]).abs() < 1e-9 && after[1] == before[1], "{before:?} {after:?}");
 }
+
+#[test]
+fn a_ring_hints_at_messages_that_are_never_sent() {
+    let text = format!(
+        "{ALONE}[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 500\n[radio]\nmedium = \"token_ring\"\nbaud = 115200\n"
+    );
+    for (wait_ms, count) in [(0, 1), (20, 0)] {
+        let mut simulation = simulate(&text, 50);
+        for number in 1..=2 {
+            simulation.with_robot(RobotId(number), |robot, world| robot.switch_radio_on(world, number, 115_200));
+        }
+        simulation.advance_to(Time::from_millis(1_000));
+        simulation
+            .with_robot(ONE, |robot, world| robot.send_message(world, Address::All, b"a").expect("there is room"));
+        simulation.advance_to(Time::from_millis(1_000 + wait_ms));
+        simulation.with_robot(ONE, |robot, _| {
+            let unsent = robot.retire_radio();
+            robot.end_radio(unsent);
+        });
+        let hints = hints(&mut simulation, Time::from_millis(1_200));
+        assert_eq!(hints.len(), count, "{hints:?}");
+        let heard = simulation.with_robot(RobotId(2), |robot, _| robot.receive_message());
+        assert_eq!(heard.is_none(), count == 1);
+    }
+}

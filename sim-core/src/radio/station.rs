@@ -78,6 +78,11 @@ impl Station {
         }
     }
 
+    /// The medium.
+    pub fn medium(&self) -> Medium {
+        self.medium
+    }
+
     /// Switches the station on.
     pub fn switch_on(&mut self, address: u32, baud: u32) {
         self.member = Some(StationInfo { robot: self.robot, address, baud });
@@ -112,10 +117,11 @@ impl Station {
         self.send_buffer.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }
 
-    /// Number of messages that would never be transmitted if the station were switched off at `now`, including messages
-    /// that wait for a token.
-    pub fn unsent_count(&self, now: Time) -> usize {
-        self.send_buffer.iter().filter(|it| !self.is_transmitted(it, now)).count()
+    /// Number of messages that would never be transmitted if the station were switched off at `now`; `None` in a token
+    /// ring, which decides this at the end of the slot ([`Loss::Unsent`]).
+    pub fn unsent_count(&self, now: Time) -> Option<usize> {
+        let count = || self.send_buffer.iter().filter(|it| !self.is_transmitted(it, now)).count();
+        (self.medium != Medium::TokenRing).then(count)
     }
 
     /// Returns true if the message is transmitted even if the station is switched off at `now`: its transmission has

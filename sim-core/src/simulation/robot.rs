@@ -43,6 +43,8 @@ pub struct Robot {
     pub is_removed: bool,
     /// True once the robot has failed: its drive obeys no command, and its radio stays silent.
     pub is_halted: bool,
+    /// True once the program of the robot has ended its use of the radio.
+    pub(super) has_ended_radio: bool,
     /// Virtual time: the end of the last call, or the start of the call in progress.
     pub now: Time,
     /// Radio; `None` until it is first switched on.
@@ -127,6 +129,7 @@ impl Robot {
             spec,
             journal: Journal::new(id, is_verbose),
             station: None,
+            has_ended_radio: false,
             placements: Vec::new(),
             is_removed: false,
             is_halted: false,

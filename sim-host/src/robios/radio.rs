@@ -48,9 +48,9 @@ pub fn refuse_while_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) 
     robot.refuse_call(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; returns the number of messages that are not transmitted. In RoBIOS-7 messages that were sent
+/// Switches the radio off; returns the number of messages that are not transmitted, if it is known. In RoBIOS-7 messages that were sent
 /// are still transmitted, as in EyeSim VR.
-fn switch_off(robot: &mut Robot) -> usize {
+fn switch_off(robot: &mut Robot) -> Option<usize> {
     let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);
     unsent
@@ -117,8 +117,5 @@ pub fn receive(
 /// Switches the radio off when the program ends.
 pub fn end(robot: &mut Robot) {
     let unsent = switch_off(robot);
-    if unsent > 0 {
-        let messages = if unsent == 1 { "a message was".to_owned() } else { format!("{unsent} messages were") };
-        robot.state.hint(&format!("the program ended before {messages} sent: its radio needs the time for it"));
-    }
+    robot.state.end_radio(unsent);
 }
