@@ -1,11 +1,14 @@
 //! The simulation as a value: stepped in any interleaving, copied and restored, it gives the same bits.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
 use sim_core::build::{NoMeshes, Visuals};
 use sim_core::camera::Label;
+use sim_core::device::Devices;
 use sim_core::device::camera::Setting;
+use sim_core::device::range::Scanner;
 use sim_core::drive::Command;
 use sim_core::pose::Twist;
 use sim_core::radio::Address;
@@ -551,4 +554,48 @@ fn a_ring_hints_at_messages_that_are_never_sent() {
         let heard = simulation.with_robot(RobotId(2), |robot, _| robot.receive_message());
         assert_eq!(heard.is_none(), count == 1);
     }
+}
+
+/// Scan of the laser scanner of robot 1, and the function that gives the bearing of a ray.
+fn scan(simulation: &mut Simulation) -> (Vec<Option<f64>>, Vec<f64>) {
+    simulation.with_robot(ONE, |robot, world| {
+        let lidar = robot.spec.lidar.as_ref().expect("a scanner");
+        let scanner = Scanner::new(&robot.spec, lidar, [TAU, 0.0], 4);
+        let Devices { ranges, servos, .. } = &robot.devices;
+        let (_, distances) = ranges.scan(&scanner, servos, &mut robot.motion, world, robot.now);
+        let bearings = (0..4).map(|ray| ranges.bearing(&scanner, ray, servos, &mut robot.motion, robot.now)).collect();
+        (distances, bearings)
+    })
+}
+
+#[test]
+fn bearings_of_a_scan_are_in_the_frame_of_the_robot() {
+    let room = "[world]\nfloor_mm = [9000, 9000]\nwall = [{ from_mm = [0, 3400], to_mm = [6000, 3400] }]\n";
+    let robot = "[[robot]]\ntype = \"L\"\nx_mm = 2000\ny_mm = 3000\n";
+    for mount in ["yaw_deg = 90", "yaw_deg = 90\non = \"top\"\n[[robot_type.link]]\nname = \"top\""] {
+        let kind = format!("[[robot_type]]\nname = \"L\"\n[robot_type.lidar]\n{mount}\n");
+        let (distances, bearings) = scan(&mut simulate(&format!("{room}{kind}{robot}"), 50));
+        let expected = [-FRAC_PI_2, -PI, FRAC_PI_2, 0.0];
+        let is_near = |(found, expected): (&f64, f64)| (found - expected).cos() > 1.0 - 1e-12;
+        assert!(bearings.iter().zip(expected).all(is_near), "{mount}: {bearings:?}");
+        assert!(distances[2].is_some() && distances[3].is_none(), "{mount}: {distances:?}");
+    }
+}
+
+#[test]
+fn a_scanner_rises_with_its_submarine() {
+    let text = "[world]\nfloor_mm = [6000, 6000]\nwater_mm = 2000\nwall = [{ from_mm = [4000, 0], to_mm = [4000, 6000], height_mm = 500 }, \
+                { from_mm = [6000, 0], to_mm = [6000, 6000], height_mm = 3000 }]\n\
+                [[robot_type]]\nname = \"Sub\"\ndiameter_mm = 600\n[robot_type.drive]\nkind = \"thrusters\"\n\
+                [robot_type.body]\nmass_kg = 40\n[[robot_type.collider]]\nkind = \"box\"\nsize_mm = [500, 300, 300]\ncentre_mm = [0, 0, 150]\n\
+                [robot_type.wheel]\ntrack_mm = 300\n[robot_type.hull]\nthrust_n = 20\n\
+                drag_ahead = [10, 40]\ndrag_aside = [30, 150]\ndrag_turn = [4, 12]\ndrag_up = [30, 150]\n\
+                [robot_type.lidar]\nrange_mm = 9000\nz_mm = 150\n[[robot]]\ntype = \"Sub\"\nx_mm = 2000\ny_mm = 3000\n";
+    let mut simulation = simulate(text, 50);
+    let ahead = scan(&mut simulation).0[2].expect("a wall");
+    assert!(ahead > 3.0, "it looks over the low wall: {ahead}");
+    simulation.with_robot(ONE, |robot, world| robot.set_motors(world, [1, 3], -100));
+    simulation.advance_to(Time::from_millis(60_000));
+    let ahead = scan(&mut simulation).0[2].expect("a wall");
+    assert!(ahead < 2.5, "{ahead}");
 }

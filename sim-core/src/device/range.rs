@@ -3,6 +3,7 @@
 //! Lists of range sensors contain the PSDs first, then the sensors of the other kinds. Only [`Ranges::read`] and
 //! [`Ranges::scan`] give readings with errors.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::RobotId;
@@ -10,7 +11,7 @@ use crate::build;
 use crate::drive::legged::Stance;
 use crate::drive::{DriveKind, Motion};
 use crate::noise::{EventStreams, Profile, RangeErrors, RangeKind};
-use crate::pose::{Link, Pose3};
+use crate::pose::{Heading, Link, Pose, Pose3};
 use crate::sensor::{Fan, Mount, Posture, RangeModel, RangeSensor, Reading, Scan};
 use crate::spec::{LIDAR, LidarSpec, RobiSpec};
 use crate::time::Time;
@@ -188,6 +189,22 @@ impl Ranges {
         let Some(errors) = &self.errors else { return (world_from_scanner, exact) };
         let mut errors = errors.lidar.scan(EventStreams::index(at, SCAN), at, [0.0, scanner.fan().range()]);
         (world_from_scanner, exact.into_iter().map(|point| errors.point(point)).collect())
+    }
+
+    /// Direction of ray `ray` of the scanner at `at`, rad counter-clockwise from straight ahead of the robot: the ray's
+    /// direction in the fan, turned by the yaw of the scanner.
+    pub fn bearing(&self, scanner: &Scanner, ray: u32, servos: &Servos, motion: &mut Motion, at: Time) -> f64 {
+        let yaw = match scanner {
+            Scanner::Level(scan) => scan.mount().robot_from_sensor.heading.remainder(),
+            Scanner::InSpace { mount, link, .. } => {
+                let (angles, lift) = self.angles_and_lift(*link, servos, motion, at);
+                let posture = Posture { world_from_robot: Pose::default(), links: &self.links, angles: &angles, lift };
+                posture.world_from(mount, *link).angles()[2]
+            }
+        };
+        let bearing = scanner.fan().bearing(ray) + yaw;
+        // A ray straight behind a scanner that is not turned keeps its sign.
+        if bearing.abs() > PI { Heading::new(bearing).remainder() } else { bearing }
     }
 
     /// Angles of all joints at `at`, rad (an empty list for a sensor on the body), and height of the robot's frame, m.

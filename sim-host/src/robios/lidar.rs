@@ -79,7 +79,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
         &Event::Scan {
             points: numbers.len() as u32,
             nearest_m: nearest.map(|(metres, _)| metres),
-            bearing_rad: nearest.map(|(_, ray)| scanner.fan().bearing(ray)),
+            bearing_rad: nearest.map(|(_, ray)| ranges.bearing(scanner, ray, servos, motion, *now)),
             sum_mm: numbers.iter().map(|mm| i64::from(*mm)).sum(),
         },
     );
