@@ -360,7 +360,7 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
     let checks = "[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 1500\n\
                   [[check]]\nname = \"spread\"\nkind = \"swarm\"\nof = \"spread\"\nmax = 600\nfrom_s = 1\n\
                   [[check]]\nname = \"in touch\"\nkind = \"swarm\"\nof = \"groups\"\nwithin_mm = 1100\nmax = 1\n\
-                  [[check]]\nname = \"order\"\nkind = \"swarm\"\nof = \"order\"\nmin = 1\n\
+                  [[check]]\nname = \"in+touch\"\nkind = \"swarm\"\nof = \"order\"\nmin = 1\n\
                   [[check]]\nname = \"explored\"\nkind = \"swarm\"\nof = \"coverage\"\nwidth_mm = 100\nmin = 0.5\nat_end = true\n";
     let scratch = scene("VWStraight(1000, 200); VWWait(); OSWait(3000);", checks);
     let checks_of =
@@ -379,6 +379,7 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
     assert_eq!((&first[2]["passed"], &first[3]["passed"]), (&Value::Bool(true), &Value::Bool(false)));
     let chart = scratch.read("run-in-touch.svg");
     assert!(chart.contains("simulated time, s") && chart.contains("polyline"), "{chart}");
+    assert!(scratch.read("run-in-touch-2.svg").contains("in+touch"));
 }
 
 #[test]

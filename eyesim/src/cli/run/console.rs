@@ -1,6 +1,6 @@
 //! Steps of a run from the command line: open, build, start, advance, finish, with the output for the user.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -246,8 +246,9 @@ impl FinishedRun {
 }
 
 /// Writes a chart of each swarm metric over time into the folder of the plot at `path`: for `run.svg`, the chart of the
-/// check NAME is `run-NAME.svg`.
+/// check NAME is `run-NAME.svg`. Of charts with the same file name, all but the first have a number at its end.
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
+    let mut names = BTreeSet::new();
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
         let (Some(series), CheckKind::Swarm { metric, .. }) = (&check.series, &spec.kind) else { continue };
         // Each value holds until the time of the next.
@@ -270,6 +271,9 @@ fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Resu
             series: vec![Series { name: check.name.clone(), mark: Mark::Line, points }],
         };
         let name: String = check.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let name = std::iter::once(name.clone()).chain(numbered).find(|name| names.insert(name.clone()));
+        let name = name.unwrap_or_default();
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let file = path.with_file_name(format!("{stem}-{name}.svg"));
         std::fs::write(&file, plot::chart::to_svg(&figure)?).with_context(|| format!("`{}`", file.display()))?;
