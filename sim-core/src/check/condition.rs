@@ -111,7 +111,8 @@ impl Condition {
                 };
                 let (metric, since, series) = (metric.clone(), *since, Vec::new());
                 let (min, max, at_end) = (*min, *max, *at_end);
-                Self::Swarm(Swarm { robots, metric, min, max, since, at_end, coverage, violated: None, series })
+                let (last, violated) = (None, None);
+                Self::Swarm(Swarm { robots, metric, min, max, since, at_end, coverage, last, violated, series })
             }
             CheckKind::OdometryError { robot, max, at_end } => Self::OdometryError(OdometryError {
                 robot: *robot,

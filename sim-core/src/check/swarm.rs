@@ -26,6 +26,8 @@ pub(super) struct Swarm {
     pub at_end: bool,
     /// Squares that a tool has covered; only for [`SwarmMetric::Coverage`].
     pub coverage: Option<Coverage>,
+    /// The value in the last cell; `None` if the metric had no value there.
+    pub last: Option<f64>,
     /// Instant of the first violation, s.
     pub violated: Option<f64>,
     /// Pairs: instant at which the value changed (s), new value.
@@ -38,7 +40,8 @@ impl Swarm {
         if let Some(coverage) = &mut self.coverage {
             coverage.evaluate(surroundings);
         }
-        let Some(value) = self.value(surroundings) else { return };
+        self.last = self.value(surroundings);
+        let Some(value) = self.last else { return };
         if self.series.last().is_none_or(|[_, last]| *last != value) {
             self.series.push([(from + CELL).min(until).seconds(), value]);
         }
@@ -86,13 +89,14 @@ impl Swarm {
     }
 
     pub fn finding(&self) -> Finding {
-        let last = self.series.last().map(|[_, value]| *value);
-        let violated = match (self.at_end, last) {
-            (true, Some(value)) if !self.is_met(value) => self.series.last().map(|[at, _]| *at),
+        let (changed, latest) = self.series.last().map(|[at, value]| (*at, *value)).unzip();
+        let value = if self.at_end { self.last } else { latest };
+        let violated = match (self.at_end, value) {
+            (true, Some(value)) if !self.is_met(value) => changed,
             (true, _) => None,
             (false, _) => self.violated,
         };
-        Finding { is_met: last.is_some() && violated.is_none(), at: violated, position: None, value: last }
+        Finding { is_met: value.is_some() && violated.is_none(), at: violated, position: None, value }
     }
 }
 
@@ -134,5 +138,28 @@ mod tests {
         assert_eq!(count_groups(&pairs, 1.0), 3);
         assert_eq!(count_groups(&pairs, 4.5), 2);
         assert_eq!(count_groups(&[], 1.0), 0);
+    }
+
+    #[test]
+    fn only_a_value_at_the_end_counts_at_the_end() {
+        let swarm = |at_end, last| Swarm {
+            robots: vec![RobotId(1)],
+            metric: SwarmMetric::Order,
+            min: Some(0.9),
+            max: None,
+            since: Time::ZERO,
+            at_end,
+            coverage: None,
+            last,
+            violated: None,
+            series: vec![[0.1, 1.0]],
+        };
+        let found = |at_end, last| {
+            let Finding { is_met, value, .. } = swarm(at_end, last).finding();
+            (is_met, value)
+        };
+        assert_eq!(found(true, Some(1.0)), (true, Some(1.0)));
+        assert_eq!(found(true, None), (false, None));
+        assert_eq!(found(false, None), (true, Some(1.0)));
     }
 }

@@ -151,6 +151,9 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             };
             match (is_met, finding.value, finding.at) {
                 (true, ..) => format!("{} at the end", number(value)),
+                (_, None, _) if matches!(kind, CheckKind::Swarm { at_end: true, .. }) => {
+                    "the metric has no value at the end: there is no robot, or none moves".to_owned()
+                }
                 (_, None, _) => "the metric never had a value: there was no robot, or none moved".to_owned(),
                 (_, _, Some(_)) => format!("not {limits} {}; {} at the end", at_text(finding), number(value)),
                 _ => format!("{} at the end, not {limits}", number(value)),
