@@ -177,7 +177,7 @@ pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 
     if !is_valid_setting || !(1..=INTERFACES_OF_6).contains(&number) {
         return robot.fail_call(Robios6Call::OSInitRS232, -1);
     }
-    robot.robios.serial.open(number, baud, robot.now);
+    open(robot, number, baud);
     0
 }
 
@@ -192,8 +192,18 @@ pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 
             )
         });
     }
-    robot.robios.serial.open(number, baud, robot.now);
+    open(robot, number, baud);
     0
+}
+
+fn open(robot: &mut Robot, number: i32, baud: i32) {
+    robot.robios.serial.open(number, baud, robot.now);
+    wake_receivers(robot, number);
+}
+
+/// Makes the tasks that wait for a byte from an interface check at the arrival of the next byte, which has changed.
+fn wake_receivers(robot: &mut Robot, number: i32) {
+    robot.tasks.recheck_input(robot.robios.serial.next_arrival(number));
 }
 
 /// `OSSendCharRS232`, `OSSendRS232`, `SERSendChar`, `SERSend`
@@ -202,6 +212,7 @@ pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option
         return robot.fail_call(call, failure);
     };
     robot.robios.serial.send(number, robot.now, data);
+    wake_receivers(robot, number);
     robot.record(Event::SerialSent { port, data });
     0
 }
