@@ -29,7 +29,7 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// Number of impacts before the present slot that a motion keeps.
+/// Number of new contacts before the present slot that a motion keeps.
 const KEPT_IMPACTS: usize = 32;
 
 /// Number of stages of a robot that is commanded once in each slot of 50 ms, and has no errors and no contacts.
@@ -174,7 +174,7 @@ pub struct Motion {
     object_impacts: Vec<Impact>,
     /// Time of the last contact with each movable object that the body touched in the last 100 ms.
     touched_objects: Vec<(ObjectId, Time)>,
-    /// The last impacts before the present slot; `None` if they are not kept.
+    /// The last new contacts before the present slot; `None` if they are not kept.
     log: Option<VecDeque<Impact>>,
     /// Number of contacts before the present slot.
     contacts: u32,
@@ -574,8 +574,8 @@ impl Motion {
     }
 
     /// The impacts whose `known_at` is between `since` and `until`, both included, in order of time. Before the present
-    /// slot only the last 32 impacts are kept, or [none](Motion::without_impact_log). In the present slot, impacts with
-    /// objects are not included.
+    /// slot only the last 32 new contacts are kept, or [none](Motion::without_impact_log). In the present slot, impacts
+    /// with objects are not included.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted_impacts(until);
         let is_in_interval = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
@@ -746,7 +746,7 @@ impl Motion {
                 impact.known_at = end;
             }
             self.contacts += u32::from(impact.fresh);
-            if let Some(log) = &mut self.log {
+            if let Some(log) = self.log.as_mut().filter(|_| impact.fresh) {
                 if log.len() == KEPT_IMPACTS {
                     log.pop_front();
                 }
