@@ -63,6 +63,7 @@ pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
         return robot.fail_call(Call::VWRelease, -1);
     }
+    robot.tasks.recheck_drive(robot.state.now);
     robot.halt(world);
     robot.state.motion.stop_control(robot.state.now);
     robot.robios.vw.is_open = false;
