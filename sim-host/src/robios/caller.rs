@@ -328,7 +328,7 @@ impl<F: Flow> Caller<F> {
     /// Records the line of the program at which hints were given in the call in progress; `site` is the location of the
     /// call, if known.
     #[inline]
-    fn note_hints(&self, robot: &mut Robot, site: Option<&Site>) {
+    pub(super) fn note_hints(&self, robot: &mut Robot, site: Option<&Site>) {
         if !robot.new_hints.is_empty() {
             let site = site.cloned().unwrap_or_else(|| self.flow.call_site());
             std::mem::take(&mut robot.new_hints).iter().for_each(|text| self.flow.note_hint(text, &site));

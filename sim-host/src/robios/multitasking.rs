@@ -52,15 +52,17 @@ impl<F: Flow> Caller<F> {
         let call = Call::OSSpawn.into();
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let Some(task) = add_task(&mut robot, spawn, site) else { return Ok(0) };
+            let task = add_task(&mut robot, spawn, site.clone());
+            caller.note_hints(&mut robot, Some(&site));
             drop(robot);
+            let Some(task) = task else { return Ok(0) };
             let code = spawn.code.unwrap_or(Callback::NONE);
             if let Err(error) = caller.flow().start_task(task, code) {
                 let mut robot = caller.robot();
                 robot.tasks.forget(task);
-                return Ok(
-                    robot.refuse_call(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}"))
-                );
+                robot.refuse_call(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}"));
+                caller.note_hints(&mut robot, Some(&site));
+                return Ok(0);
             }
             caller.take_turns(caller.robot(), call)?;
             Ok(task.cast_signed())
@@ -114,10 +116,13 @@ impl<F: Flow> Caller<F> {
 
     /// `OSKill`
     pub(super) fn kill_task(&self, task: i32) -> Result<i32, Stop> {
+        let site = self.flow().call_site();
         let call = call::Call::from(Call::OSKill);
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let number = match find_task(&mut robot, Call::OSKill, task) {
+            let found = find_task(&mut robot, Call::OSKill, task);
+            caller.note_hints(&mut robot, Some(&site));
+            let number = match found {
                 Ok(number) => number,
                 Err(answer) => return Ok(answer),
             };
@@ -195,7 +200,9 @@ impl<F: Flow> Caller<F> {
         let call = call::Call::from(call);
         self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            match act(&mut robot) {
+            let answer = act(&mut robot);
+            caller.note_hints(&mut robot, Some(&site));
+            match answer {
                 Answer::Returned(answer) => caller.take_turns(robot, call).map(|()| answer),
                 Answer::Suspended if robot.timers.in_callback => {
                     Err(caller.fail(robot, format!("`{}` would wait inside a timer callback", call.name())))
