@@ -449,13 +449,9 @@ impl<F: Flow> Caller<F> {
         let due = robot.timers.take_due(now);
         robot.timers.in_callback = true;
         drop(robot);
-        let mut result = Ok(());
-        for callback in due {
-            result = self.flow.call_back(callback);
-            if result.is_err() {
-                break;
-            }
-        }
+        // A callback may detach a timer whose turn is still to come.
+        let callback_of = |handle| self.robot().timers.callback(handle);
+        let result = due.into_iter().filter_map(callback_of).try_for_each(|callback| self.flow.call_back(callback));
         let mut robot = self.robot();
         let now = robot.now;
         robot.timers.end_callbacks(now);

@@ -61,16 +61,22 @@ impl Timers {
         self.list.iter().map(|timer| timer.next).min().unwrap_or(Time::NEVER)
     }
 
-    /// Takes the callbacks due at `now`, in order of attachment; a timer that was due several times gives one callback.
-    pub fn take_due(&mut self, now: Time) -> Vec<Callback> {
+    /// Takes the timers due at `now`, in order of attachment; returns the handle of each, once even if it was due several
+    /// times.
+    pub fn take_due(&mut self, now: Time) -> Vec<i32> {
         let mut due = Vec::new();
         for timer in &mut self.list {
             if timer.next <= now {
-                due.push(timer.callback);
+                due.push(timer.handle);
                 timer.skip_past(now);
             }
         }
         due
+    }
+
+    /// Callback of a timer; `None` if it has been detached.
+    pub fn callback(&self, handle: i32) -> Option<Callback> {
+        self.list.iter().find(|timer| timer.handle == handle).map(|timer| timer.callback)
     }
 
     /// Ends the running callbacks at `now`. Timers that became due while the callbacks ran skip this time, so that the
@@ -104,7 +110,9 @@ mod tests {
         assert_eq!(timers.take_due(Time(6_999)).len(), 0);
         assert_eq!(timers.take_due(Time(7_000)).len(), 1);
         assert_eq!(timers.next_due(), Time(12_000));
+        assert!(timers.callback(1).is_some());
         assert!(timers.detach(1) && !timers.detach(1));
+        assert!(timers.callback(1).is_none(), "a detached timer does not run, even if it was due");
     }
 
     #[test]
