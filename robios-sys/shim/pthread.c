@@ -34,6 +34,7 @@ struct task {
     void *result;
     int is_detached, is_joined, has_begun, is_ending, has_ended;
     int is_cancelled, refuses_cancel, cancel_type;
+    int is_killed; /* by OSKill or OSExit, which take effect when the host stops the task */
     __pthread_unwind_buf_t *cleanup; /* the innermost handler; the next one is in its first pad */
     const void **values;             /* of keys */
     unsigned value_count;
@@ -100,7 +101,7 @@ static int wait_for(const void *key, int32_t kind, int32_t holder, int64_t deadl
 {
     int32_t status, is_woken = 0;
     TASK_CALL(status, task_wait, (uintptr_t)key, kind, holder, deadline, &is_woken);
-    if (status == EYESIM_STOP && is_cancelled())
+    if (status == EYESIM_STOP && is_own_stop())
         return -1;
     if (status == EYESIM_STOP)
         stop();
@@ -444,9 +445,20 @@ static int is_cancelled(void)
 
 static _Noreturn void cancel_self(void) { end_task(this_task(), PTHREAD_CANCELED); }
 
+/* True if a stop by the host concerns only the running task, which was killed or cancelled. */
+static int is_own_stop(void)
+{
+    struct task *task = this_task();
+    if (task->is_killed) {
+        task->is_cancelled = 1;
+        task->is_killed = task->refuses_cancel = 0;
+    }
+    return is_cancelled();
+}
+
 static _Noreturn void stop(void)
 {
-    if (is_cancelled())
+    if (is_own_stop())
         cancel_self();
     exit_program(EYESIM_EXIT_STOPPED);
 }

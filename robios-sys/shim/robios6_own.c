@@ -83,13 +83,11 @@ WEAK struct tcb *OSSpawn(const char *name, void (*code)(void), int stksiz, int p
     return handle;
 }
 
-/* Marks a task to end at its next call, if it can be ended. */
+/* Marks a task to end when the host stops it, if it can be ended. */
 static void mark_as_killed(struct task *task)
 {
-    if (is_multitasking && task != NULL && task != &main_task && !task->is_ending) {
-        task->is_cancelled = 1;
-        task->refuses_cancel = 0;
-    }
+    if (is_multitasking && task != NULL && task != &main_task && !task->is_ending)
+        task->is_killed = 1;
 }
 
 WEAK int OSKill(struct tcb *thread)
@@ -98,8 +96,11 @@ WEAK int OSKill(struct tcb *thread)
     struct task *task = thread == NULL ? this_task() : task_numbered((pthread_t)thread->id);
     mark_as_killed(task);
     ROBIOS(OSKill, task_of(thread), &result);
-    /* A task that has run has removed itself by now. */
-    if (thread != NULL && result == 0 && (task = task_numbered((pthread_t)thread->id)) != NULL && !task->has_begun)
+    /* A task that has run has removed itself by now, unless the call was refused. */
+    task = thread == NULL ? this_task() : task_numbered((pthread_t)thread->id);
+    if (task != NULL && result != 0)
+        task->is_killed = 0;
+    else if (task != NULL && thread != NULL && !task->has_begun)
         remove_task(task);
     return result;
 }
@@ -109,6 +110,10 @@ WEAK int OSExit(int code)
     int32_t result = 0;
     mark_as_killed(this_task());
     ROBIOS(OSExit, code, &result);
+    if (result != 0) { /* the scene forbids the call */
+        this_task()->is_killed = 0;
+        return result;
+    }
     if (is_multitasking && this_task() != &main_task)
         unwind_task(this_task()); /* the task is ending already, and this call is from its own handler */
     end_program(code);
@@ -118,6 +123,8 @@ WEAK int OSPanic(const char *message)
 {
     int32_t result = 0;
     ROBIOS(OSPanic, text_of(message), &result);
+    if (result != 0) /* the scene forbids the call */
+        return result;
     fail(1, message);
 }
 

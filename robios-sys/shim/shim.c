@@ -170,6 +170,7 @@ static _Noreturn void exit_program(int exit_code)
 static _Noreturn void stop(void);
 
 static int is_cancelled(void);
+static int is_own_stop(void);
 static struct exit_point *exit_point_of_flow(void);
 static void yield_if_due(void);
 static _Noreturn void cancel_self(void);
