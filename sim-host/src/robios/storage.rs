@@ -120,7 +120,8 @@ impl Storage {
             return Err(io::ErrorKind::IsADirectory.into());
         }
         if !folder.is_dir() {
-            return Err(io::ErrorKind::NotADirectory.into());
+            let is_file = folder.exists();
+            return Err(if is_file { io::ErrorKind::NotADirectory } else { io::ErrorKind::NotFound }.into());
         }
         self.pending_writes.insert(path, (now, bytes));
         Ok(())
@@ -191,10 +192,10 @@ impl PendingWrite {
     }
 }
 
-/// Path for a name in a program: bytes, with slashes or backslashes.
+/// Path for a name in a program: bytes, with slashes or backslashes. `./a` and `a` have the same path.
 fn path_of(name: &[u8]) -> PathBuf {
     let slashed: Vec<u8> = name.iter().map(|byte| if *byte == b'\\' { b'/' } else { *byte }).collect();
-    PathBuf::from(OsStr::from_bytes(&slashed))
+    Path::new(OsStr::from_bytes(&slashed)).components().filter(|part| *part != Component::CurDir).collect()
 }
 
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
@@ -242,7 +243,7 @@ mod tests {
         for outside in outside {
             assert!(storage.read(outside).is_err(), "{}", String::from_utf8_lossy(outside));
         }
-        storage.write(Time::ZERO, b"b.pgm", b"b".to_vec()).unwrap();
+        storage.write(Time::ZERO, b"./b.pgm", b"b".to_vec()).unwrap();
         assert_eq!(storage.read(b"b.pgm").unwrap(), b"b");
         assert!(!storage.has_pending_writes() && !program_folder.join("b.pgm").exists());
         assert!(storage.write(Time::ZERO, b"../secret", Vec::new()).is_err());
@@ -257,7 +258,8 @@ mod tests {
         let path = folder.path().join("a.pgm");
         let mut storage = Storage::default();
         storage.write(Time(5), name(&path), b"one".to_vec()).unwrap();
-        storage.write(Time(7), name(&path), b"two".to_vec()).unwrap();
+        let same_path = folder.path().join("./a.pgm");
+        storage.write(Time(7), name(&same_path), b"two".to_vec()).unwrap();
         assert_eq!(storage.read(name(&path)).unwrap(), b"two");
         assert!(Storage::default().read(name(&path)).is_err(), "another robot does not see it yet");
         let written: Vec<PendingWrite> = storage.take_pending_writes().collect();
@@ -284,5 +286,7 @@ mod tests {
         for path in [folder.path().join("none/a.pgm"), folder.path().to_owned(), PathBuf::new(), "..".into()] {
             assert!(storage.write(Time(0), name(&path), Vec::new()).is_err(), "{}", path.display());
         }
+        let missing = storage.write(Time(0), name(&folder.path().join("none/a.pgm")), Vec::new());
+        assert_eq!(missing.unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 }
