@@ -228,13 +228,26 @@ static struct eyesim_room room_of(void *data, size_t len)
     return room;
 }
 
-/* The bytes of a WAV file in memory, with the length from its header, or else of a text. */
+static size_t size_at(const unsigned char *bytes)
+{
+    return bytes[0] | (size_t)bytes[1] << 8 | (size_t)bytes[2] << 16 | (size_t)bytes[3] << 24;
+}
+
+/* Maximum size of the chunks before the sample in a WAV file. */
+enum { MAX_WAV_HEADER = 1 << 16 };
+
+/* The header of a WAV file in memory, up to the sample, or else the bytes of a text. The host reads only the header, and
+ * a streamed file states no length. */
 static struct eyesim_bytes sample_of(const void *sample)
 {
-    const unsigned char *size = (const unsigned char *)sample + 4;
-    if (sample == NULL || strncmp(sample, "RIFF", 4) != 0)
+    const unsigned char *file = sample;
+    size_t end, at = 12;
+    if (sample == NULL || strncmp(sample, "RIFF", 4) != 0 || memcmp(file + 8, "WAVE", 4) != 0)
         return text_of(sample);
-    return bytes_of(sample, 8 + (size[0] | (size_t)size[1] << 8 | (size_t)size[2] << 16 | (size_t)size[3] << 24));
+    end = size_at(file + 4) < MAX_WAV_HEADER ? 8 + size_at(file + 4) : MAX_WAV_HEADER;
+    while (at + 8 <= end && memcmp(file + at, "data", 4) != 0)
+        at += 8 + size_at(file + at + 4) + size_at(file + at + 4) % 2;
+    return bytes_of(sample, at + 8 <= end ? at + 8 : 12);
 }
 
 static __attribute__((noinline)) void call_outermost(TimerFnc function)
