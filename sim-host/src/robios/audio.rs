@@ -69,34 +69,31 @@ const MAX_RECORDING: usize = 1 << 26;
 /// Maximum rate of a recording in Hz.
 const MAX_RATE: i64 = 44_100;
 
-/// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is not a WAV file.
+/// `AUPlaySample`: returns the sample's rate in Hz, 0 if there is no WAV file.
 pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(wave) = sample.and_then(Wave::parse) else { return robot.fail_call(Robios6Call::AUPlaySample, 0) };
-    play(robot, wave);
-    wave.rate_hz
+    play_sample(robot, Robios6Call::AUPlaySample, 0, sample).map_or_else(|failure| failure, |wave| wave.rate_hz)
 }
 
-/// `AUPlay`: plays a WAV file in memory, or the WAV file that `sample` names.
+/// `AUPlay`
 pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(sample) = sample else { return robot.fail_call(Robios7Call::AUPlay, 1) };
-    if let Some(wave) = Wave::parse(sample) {
-        play(robot, wave);
-        return 0;
-    }
-    let file = robot.robios.storage.read(sample).map_err(|error| error.to_string());
-    match file.and_then(|file| Wave::parse(&file).ok_or_else(|| "it is not a WAV file".to_owned())) {
-        Ok(wave) => {
-            play(robot, wave);
-            0
-        }
-        Err(reason) => robot.refuse_call(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
-    }
+    play_sample(robot, Robios7Call::AUPlay, 1, sample).map_or_else(|failure| failure, |_| 0)
 }
 
-fn play(robot: &mut Robot, wave: Wave) {
+/// Plays a WAV file in memory, or the WAV file that `sample` names; returns `failure` if there is none.
+fn play_sample(robot: &mut Robot, call: impl Into<Call>, failure: i32, sample: Option<&[u8]>) -> Result<Wave, i32> {
+    let Some(sample) = sample else { return Err(robot.fail_call(call, failure)) };
+    let read = || {
+        let file = robot.robios.storage.read(sample).map_err(|error| error.to_string())?;
+        Wave::parse(&file).ok_or_else(|| "it is not a WAV file".to_owned())
+    };
+    let wave = match Wave::parse(sample).map_or_else(read, Ok) {
+        Ok(wave) => wave,
+        Err(reason) => return Err(robot.refuse_call(call, failure, |_| format!("`{}`: {reason}", super::text(sample)))),
+    };
     let duration = Time((u64::from(wave.bytes) * 1_000_000 / u64::from(wave.bytes_per_second)) as i64);
     robot.robios.audio.play_sample(robot.now, duration);
     robot.record(Event::Sample { length_bytes: wave.bytes.into() });
+    Ok(wave)
 }
 
 /// `AUTone`
