@@ -218,6 +218,7 @@ impl Lcd {
     }
 
     /// Fills the rectangle from (`x1`, `y1`) to (`x2`, `y2`), edges included; parts outside the display are clipped.
+    /// White or black removes the characters that it covers entirely.
     ///
     /// # Errors
     /// [`InvalidPosition`] if the first corner is to the right of the second one or below it.
@@ -229,6 +230,12 @@ impl Lcd {
         let (top, bottom) = (y1.max(0), y2.min(HEIGHT as i32 - 1));
         if left > right {
             return Ok(0);
+        }
+        if ink != Ink::Invert {
+            let cells = |first: i32, last: i32, size: usize| (first as usize).div_ceil(size)..(last + 1) as usize / size;
+            for line in cells(top, bottom.max(-1), CELL_HEIGHT) {
+                cells(left, right, CELL_WIDTH).for_each(|column| self.text[line][column] = b' ');
+            }
         }
         let mask = mask(left as usize, right as usize);
         Ok((top..=bottom).map(|row| self.draw(row as usize, mask, ink)).sum())
@@ -440,6 +447,17 @@ mod tests {
         assert_eq!(lcd.draw_area([i32::MIN, 60], [1, i32::MAX], Ink::Set), Ok(8));
         assert_eq!(lcd.draw_area([128, 0], [200, 63], Ink::Set), Ok(0));
         assert_eq!(lcd.draw_area([0, -9], [5, -1], Ink::Set), Ok(0));
+    }
+
+    #[test]
+    fn an_area_removes_the_characters_that_it_covers() {
+        let mut lcd = written("abcd\nefgh");
+        lcd.draw_area([8, 0], [24, 16], Ink::Set).unwrap();
+        assert_eq!(lcd.lines()[..2], ["a  d", "efgh"], "the lower line is covered in part");
+        lcd.draw_area([0, 0], [127, 63], Ink::Invert).unwrap();
+        assert_eq!(lcd.lines()[..2], ["a  d", "efgh"]);
+        lcd.draw_area([-5, 9], [200, 90], Ink::Clear).unwrap();
+        assert_eq!(lcd.lines()[..2], ["a  d", ""]);
     }
 
     #[test]
