@@ -210,23 +210,29 @@ impl Screen {
         [(self.size[1] / height).into(), (self.size[0] / width).into()]
     }
 
-    /// Sets the position of the next character, in cells of the current size.
+    /// Sets the position of the next character, in cells of the current size. A column beyond the last one lies beyond
+    /// the edge, where the character after a full row lies.
     pub fn set_position(&mut self, row: i32, column: i32) {
         let [width, height] = self.font.size.cell().map(i32::from);
-        self.cursor = [column.saturating_mul(width), row.saturating_mul(height)];
+        let ([rows, columns], size) = (self.rows_and_columns(), self.size.map(i32::from));
+        let beyond = [if column < columns { i32::MIN } else { size[0] + 1 }, if row < rows { i32::MIN } else { size[1] }];
+        self.cursor = [column.saturating_mul(width).max(beyond[0]), row.saturating_mul(height).max(beyond[1])];
     }
 
     /// Writes text at the current position.
     ///
     /// `\n` begins a new row, `\r` goes back to the row's beginning, `\t` to the next multiple of 4 columns, `\b` one
     /// column back; other control characters are ignored, and so are characters that are not entirely on the display.
+    /// Text outside of the display neither wraps nor scrolls.
     pub fn write(&mut self, text: &str) {
-        let width = i32::from(self.font.size.cell()[0]);
+        let (width, edge) = (i32::from(self.font.size.cell()[0]), i32::from(self.size[0]));
         for character in text.chars() {
             match character {
                 '\n' => self.begin_row(),
                 '\r' => self.cursor[0] = 0,
-                '\t' => self.cursor[0] = (self.cursor[0].div_euclid(width * TAB) + 1).saturating_mul(width * TAB),
+                '\t' if self.cursor[0] <= edge => {
+                    self.cursor[0] = ((self.cursor[0].div_euclid(width * TAB) + 1) * width * TAB).min(edge);
+                }
                 '\x08' => self.cursor[0] = self.cursor[0].saturating_sub(width).max(0),
                 character if character.is_control() => {}
                 character => self.write_character(character),
@@ -239,8 +245,9 @@ impl Screen {
         if width == 0 {
             return;
         }
-        let is_past_edge = self.cursor[0].saturating_add(width.into()) > i32::from(self.size[0]);
-        if is_past_edge && self.modes.has_linefeed && self.cursor[0] > 0 {
+        let edge = i32::from(self.size[0]);
+        let is_past_edge = self.cursor[0].saturating_add(width.into()) > edge;
+        if is_past_edge && self.modes.has_linefeed && (1..=edge).contains(&self.cursor[0]) {
             self.begin_row();
         }
         let [x, y] = self.cursor;
@@ -256,8 +263,9 @@ impl Screen {
     fn begin_row(&mut self) {
         let row_height = i32::from(self.font.size.cell()[1]);
         let bottom = self.text_bottom();
+        let is_on_display = self.cursor[1] < i32::from(self.size[1]);
         self.cursor = [0, self.cursor[1].saturating_add(row_height)];
-        if self.cursor[1].saturating_add(row_height) > i32::from(bottom) {
+        if is_on_display && self.cursor[1].saturating_add(row_height) > i32::from(bottom) {
             if self.modes.is_scrolling {
                 self.cursor[1] = (i32::from(bottom) / row_height - 1) * row_height;
                 self.content.page.scroll(bottom, row_height as u16);

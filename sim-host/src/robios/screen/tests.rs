@@ -190,6 +190,25 @@ fn text_is_placed_in_rows_and_columns() {
 }
 
 #[test]
+fn text_outside_the_display_changes_nothing() {
+    let mut screen = written("A\nB\tC");
+    let before = screen.lines();
+    // The display has 18 rows and 53 columns.
+    for [row, column] in [[0, 53], [0, 90], [18, 0], [30, 0], [-1, 60]] {
+        screen.set_position(row, column);
+        assert_eq!(screen.position(), [row, column]);
+        screen.write("HELLO");
+        assert_eq!(screen.lines(), before, "({row}, {column})");
+    }
+    screen.set_position(30, 0);
+    screen.write("HELLO\nHELLO\n");
+    assert_eq!(screen.lines(), before, "it does not scroll");
+    screen.set_position(0, 90);
+    screen.write("HELLO\n\tx");
+    assert_eq!(screen.lines()[1], "B   x", "the next row is on the display");
+}
+
+#[test]
 fn text_scrolls_above_the_menu() {
     let rows = |screen: &mut Screen| (0..20).for_each(|row| screen.write(&format!("\n{row}")));
     // 240 / 13 = 18 rows; with the menu 16.
