@@ -138,20 +138,21 @@ static int32_t list_line(int32_t line, int32_t key, const char *text, COLOR fg, 
 
 WEAK int LCDSetList(listmenu_t *menulist)
 {
-    int32_t line = 0, room, items, i, result = 0;
+    int32_t line = 0, room, most, items, i, result = 0;
     shown_list = menulist;
     if (!menulist) {
         ROBIOS(LCDSetMode, LCD_CLASSICMENU, &result);
         return 0;
     }
     room = list_line(line++, KEY_LISTTL, menulist->title, menulist->fgcol, menulist->bgcol);
-    menulist->scroll = menulist->size > room - 1;
-    items = menulist->scroll ? room - 3 : menulist->size;
+    most = room - 1 < 8 ? room - 1 : 8; /* the items' lines that have a key */
+    menulist->scroll = menulist->size > most;
+    items = !menulist->scroll ? menulist->size : room - 3 < 8 ? room - 3 : 8;
     if (menulist->scroll)
         list_line(line++, KEY_LISTUP, "SCROLL UP", WHITE, RED);
     for (i = 0; i < items; i++) {
         int64_t item = (int64_t)menulist->start + i;
-        int32_t key = i < 8 ? KEY_LIST1 << i : NOKEY;
+        int32_t key = KEY_LIST1 << i;
         char label[2 + sizeof menulist->pitems->label + 1];
         if (item < 0 || item >= menulist->size || !menulist->pitems) {
             list_line(line++, NOKEY, "", menulist->fgcol, menulist->bgcol);
