@@ -29,7 +29,7 @@ static int size_of(int resolution, int *width, int *height)
                  {CAM1MP, CAM1MP_X, CAM1MP_Y}, {CAMHD, CAMHD_X, CAMHD_Y}, {CAM5MP, CAM5MP_X, CAM5MP_Y}};
     size_t i;
     if (resolution == CUSTOM)
-        return *width > 0 && *height > 0 && (int64_t)*width * *height <= 3 * CAM5MP_SIZE;
+        return *width > 0 && *height > 0 && (int64_t)*width * *height <= CAM5MP_PIXELS;
     for (i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         if (sizes[i].resolution == resolution) {
             *width = sizes[i].width;

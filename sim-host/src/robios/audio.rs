@@ -63,8 +63,8 @@ impl Audio {
     }
 }
 
-/// Maximum size of a recorded sample, in bytes; our choice.
-const MAX_RECORDING: usize = 1 << 26;
+/// Maximum size of a recorded sample, in bytes; our choice, within a message of 32 MB.
+const MAX_RECORDING: usize = 1 << 24;
 
 /// Maximum rate of a recording in Hz.
 const MAX_RATE: i64 = 44_100;
@@ -116,24 +116,35 @@ pub fn beep(robot: &mut Robot) -> i32 {
 
 /// `AURecordSample`: returns the rate in Hz.
 pub fn record_6(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.fail_call(Robios6Call::AURecordSample, 0))
+    record(robot, Robios6Call::AURecordSample, 0, buffer, rate_hz).unwrap_or_else(|failure| failure)
 }
 
 /// `AURecord`
 pub fn record_7(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).map_or_else(|| robot.fail_call(Robios7Call::AURecord, 1), |_| 0)
+    record(robot, Robios7Call::AURecord, 1, buffer, rate_hz).map_or_else(|failure| failure, |_| 0)
 }
 
-/// Records the microphone; returns the rate in Hz, `None` if buffer or rate is invalid.
-fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32> {
+/// Records the microphone; returns the rate in Hz, or `failure` if buffer or rate is invalid.
+fn record(
+    robot: &mut Robot,
+    call: impl Into<Call>,
+    failure: i32,
+    buffer: &mut OutBytes,
+    rate_hz: i64,
+) -> Result<i32, i32> {
     let length = buffer.capacity();
-    if buffer.is_null() || !(1..=MAX_RECORDING).contains(&length) || rate_hz <= 0 {
-        return None;
+    if buffer.is_null() || length == 0 || rate_hz <= 0 {
+        return Err(robot.fail_call(call, failure));
+    }
+    if length > MAX_RECORDING {
+        return Err(robot.refuse_call(call, failure, |_| {
+            format!("a recording of {length} bytes is too long: it has at most {MAX_RECORDING}, 380 s at {MAX_RATE} Hz")
+        }));
     }
     let rate_hz = rate_hz.min(MAX_RATE) as i32;
     buffer.set(&vec![robot.spec.inputs.microphone; length]);
     robot.robios.audio.record(robot.now, duration_of(length as i32, rate_hz));
-    Some(rate_hz)
+    Ok(rate_hz)
 }
 
 /// `AUCaptureMic`: returns the microphone's value, scaled from 8 to 10 bits, and records it.

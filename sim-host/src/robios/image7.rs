@@ -16,10 +16,18 @@ pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
     if is_resolution(resolution) { 0 } else { robot.fail_call(Call::IPSetSize, 1) }
 }
 
+fn size_of([width, height]: [i32; 2]) -> Result<Size, String> {
+    Size::new(width, height)
+        .ok_or_else(|| format!("{width} x {height} is not a size of an image, which has at most the pixels of CAM5MP"))
+}
+
 /// `IPReadFile`
-pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 2], image: &mut OutBytes) -> i32 {
+pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, size: [i32; 2], image: &mut OutBytes) -> i32 {
     let read = || {
-        let size = Size::new(width, height).filter(|_| !image.is_null()).ok_or("there is no room for an image")?;
+        let size = size_of(size)?;
+        if image.is_null() {
+            return Err("there is no room for an image".to_owned());
+        }
         let file = robot.robios.storage.read(name.ok_or("it has no name")?).map_err(|error| error.to_string())?;
         pnm::read(&file, size).map_err(|error| error.to_string())
     };
@@ -40,13 +48,13 @@ pub fn write_file(
     robot: &mut Robot,
     call: Call,
     name: Option<&[u8]>,
-    [width, height]: [i32; 2],
+    size: [i32; 2],
     image: Option<&[u8]>,
 ) -> i32 {
     let (depth, encode): (_, Encode) =
         if call == Call::IPWriteFile { (3, pnm::write_colour) } else { (1, pnm::write_grey) };
     let mut write = || -> Result<(), String> {
-        let size = Size::new(width, height).ok_or("there is no image")?;
+        let size = size_of(size)?;
         let image = image.and_then(|image| image.get(..size.pixels() * depth)).ok_or("there is no image")?;
         let now = robot.now;
         let name = name.ok_or("it has no name")?;
