@@ -1289,9 +1289,14 @@ def LIDARGet(distance=None):
 
 def LIDARSet(range, tilt, points):
     """Sets angle in degrees, 1 to 360, the scanner's tilt in degrees, and the number of points."""
-    global LIDAR_RESOLUTION
     _call(_LIDARSet, range, tilt, points)
-    LIDAR_RESOLUTION = _whole(points)
+    _set_lidar_resolution()
+
+
+def _set_lidar_resolution():
+    """Sets LIDAR_RESOLUTION to the number of points of the robot's scanner; without a scanner it stays as it is."""
+    global LIDAR_RESOLUTION
+    LIDAR_RESOLUTION = int(_call(_support_lidar_points)[-1]) or LIDAR_RESOLUTION
 
 
 def ANALOGTransfer(buffer=None):
@@ -2182,6 +2187,7 @@ def _main(path):
     _channel = channel
     exit_code = 0
     try:
+        _set_lidar_resolution()
         _replace_time_and_randomness()
         _watch_imports(channel)
         exit_code = _run(path)

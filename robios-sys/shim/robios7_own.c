@@ -427,12 +427,20 @@ WEAK int LIDARGet(int distance[])
     return result;
 }
 
-WEAK int LIDAR_RESOLUTION = 360;
+WEAK int LIDAR_RESOLUTION = 0; /* until the program runs */
+
+/* Sets LIDAR_RESOLUTION to the number of points of the robot's scanner; without a scanner it is 360, or as before. */
+static void set_lidar_resolution(void)
+{
+    int32_t points = 0;
+    SUPPORT(lidar_points, &points);
+    LIDAR_RESOLUTION = points > 0 ? points : LIDAR_RESOLUTION > 0 ? LIDAR_RESOLUTION : 360;
+}
 
 WEAK void LIDARSet(int range, int tilt, int points)
 {
     ROBIOS(LIDARSet, range, tilt, points, NULL);
-    LIDAR_RESOLUTION = points;
+    set_lidar_resolution();
 }
 
 WEAK int SIMLaserScan(int *dists) { return LIDARGet(dists); }

@@ -417,6 +417,10 @@ static __attribute__((noinline)) _Noreturn void run_program(int argc, char **arg
 #ifdef EYESIM_CPP
     eyesim_report_uncaught();
 #endif
+#if EYESIM_ROBIOS == 7
+    if (LIDAR_RESOLUTION == 0) /* otherwise it is the program's own */
+        set_lidar_resolution();
+#endif
     errno = 0;
     construct(argc, argv);
 #ifdef EYESIM_VOID_MAIN

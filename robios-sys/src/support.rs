@@ -195,5 +195,9 @@ crate::table::function_table! {
 
         /// Like `show_points`, for a line through the points, such as a path or a profile of the ground.
         fn show_line(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
+
+        /// Number of points of the robot's laser scanner, as `LIDARSet` has set it. No time passes. Returns the number, 0
+        /// if there is no scanner.
+        fn lidar_points() -> i32 = 0;
     }
 }

@@ -34,7 +34,7 @@ int LCDInit(void); /* 0: the display is always there */
 int SERVODone(int servo); /* 1: a servo turns at once; 0 if there is no such servo */
 int SERVOWait(int servo); /* 0, 1 if there is no such servo */
 
-/* Number of points of LIDARGet, as set by LIDARSet; initially 360. */
+/* Number of points of LIDARGet, as set by LIDARSet; initially that of the robot's scanner, 360 without one. */
 #ifndef LIDAR_RESOLUTION
 extern int LIDAR_RESOLUTION;
 #endif

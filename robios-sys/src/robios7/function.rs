@@ -347,7 +347,8 @@ function_table! {
 
     family LIDAR "the laser scanner", source "RoBIOS-7 library, LIDAR" {
         /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
-        /// ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially 360; 9999 if out of range.
+        /// ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially as many as the
+        /// robi states; 9999 if out of range.
         /// Returns 0, 1 if there is no scanner.
         fn LIDARGet(distance: OutInts) -> i32 = 1, c "int LIDARGet(int distance[])";
 

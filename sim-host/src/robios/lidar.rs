@@ -43,6 +43,12 @@ pub fn points(robot: &mut Robot, world: &World, at: Time) -> Option<(DVec3, Vec<
     Some((world_from_scanner.position, (0..).zip(distances).filter_map(point).collect()))
 }
 
+/// Number of points of the robot's scanner; 0 if it has none.
+pub fn point_count(robot: &Robot) -> i32 {
+    let set = robot.devices.scanner.as_ref().map(|scanner| scanner.fan().len());
+    set.or_else(|| Some(robot.spec.lidar.as_ref()?.points as usize)).unwrap_or_default() as i32
+}
+
 /// `LIDARGet`
 pub fn get(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
     scan(robot, world, Call::LIDARGet.into(), 1, distances).map_or_else(|failure| failure, |_| 0)

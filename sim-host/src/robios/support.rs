@@ -15,6 +15,7 @@ use super::flow::Flow;
 use super::hint::Mistake;
 use super::input::{self, Read};
 use super::layer::{self, Extent, Label};
+use super::lidar;
 use super::robot::{Ending, Robot, WaitReason};
 use super::task::TaskWait;
 use crate::program::site::{RemoteSite, Site};
@@ -175,6 +176,10 @@ impl<F: Flow> Support for Caller<F> {
     ) -> Result<i32, Stop> {
         let (label, size) = (Label { name, frame }, [dimensions, count]);
         Ok(self.act_untimed(SupportCall::show_line, |robot| layer::show_line(robot, label, size, coordinates)))
+    }
+
+    fn lidar_points(&self) -> Result<i32, Stop> {
+        Ok(self.act_untimed(SupportCall::lidar_points, |robot| lidar::point_count(robot)))
     }
 
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
