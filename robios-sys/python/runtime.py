@@ -769,13 +769,39 @@ def _bytes(value, name):
 _SLICE_US = 10000
 
 
-def _receive_if_any(row, values):
-    """Receives a message before another thread can take it; returns None if there is none."""
+def _receive_if_any(row, values, check, *what):
+    """Receives what `check` finds before another thread can take it; returns None if there is nothing."""
     _token.enter_call()
     try:
-        return _request(row, values) if _request(_RADIOCheck, ())[-1] else None
+        return _request(row, values) if _request(check, what)[-1] else None
     finally:
         _token.leave_call()
+
+
+_switched_on = set()  # the radio, and serial interfaces
+_SWITCHES = {"RADIOInit", "RADIORelease", "SERInit", "SERClose"}
+
+
+def _note_switch(name, values):
+    """Notes that the radio or a serial interface has been switched on or off."""
+    device = "RADIO" if name.startswith("RADIO") else _whole(values[0])
+    (_switched_on.add if name.endswith("Init") else _switched_on.discard)(device)
+
+
+def _polled_once(row, values):
+    """Executes a waiting call if it need not wait; otherwise returns None."""
+    name = row[0]
+    if name == "RADIOReceive":
+        return _receive_if_any(row, values, _RADIOCheck)
+    if name == "SERReceiveChar":
+        return _receive_if_any(row, values, _SERCheck, *values)
+    if name == "KEYGetXY":
+        answer = _request(_KEYReadXY, values)
+        return answer if answer[-1] == 0 else None
+    answer = _request({"VWWait": _VWDone, "IRTVGet": _IRTVRead}.get(name, _KEYRead), ())[-1]
+    if name == "VWWait":
+        return [_Number(0)] if answer else None
+    return [answer] if answer and (name != "KEYWait" or answer & _whole(values[0])) else None
 
 
 def _wait_by_polling(row, values):
@@ -783,22 +809,27 @@ def _wait_by_polling(row, values):
     blocking call should be used."""
     name = row[0]
     if name == "OSWait" or name == "sleep_us":
-        _token.wait(_never, _now_us() + (1000 if name == "OSWait" else 1) * int(values[0]))
+        span = values[0] if name == "sleep_us" else 1000 * _int(values[0], -(1 << 31), (1 << 32) - 1, name)
+        _token.wait(_never, _now_us() + span)
         return [_Number(0)]
-    if name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
+    if name == "OSError" and not _whole(values[2]):
+        _call(_LCDPrintf, (_memory(values[0], None, name) or b"") + b"\nError %d\n" % _whole(values[1]))
+        _call(_KEYGet)
+        return [_Number(0)]
+    # The simulator refuses these calls; it does not wait.
+    if (
+        name == "OSError"
+        or name == "RADIOReceive" and ("RADIO" not in _switched_on or values[1] == 0)
+        or name == "SERReceiveChar" and _whole(values[0]) not in _switched_on
+        or name == "KEYWait" and not _whole(values[0]) & _KEYS
+    ):
         return None
-    polled_calls = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead}
-
-    def poll():
-        if name == "RADIOReceive":
-            return _receive_if_any(row, values)
-        answer = _request(polled_calls[name], ())[-1]
-        return [_Number(0) if name == "VWWait" else answer] if answer else None
-
-    outputs = poll()
+    outputs = _polled_once(row, values)
     while outputs is None:
         _token.wait(_never, _now_us() + _SLICE_US)
-        outputs = poll()
+        if not _has_threads():
+            return None
+        outputs = _polled_once(row, values)
     return outputs
 
 
@@ -820,7 +851,10 @@ def _call(row, *values):
         answer = _wait_by_polling(row, values)
         if answer is not None:
             return answer
-    return _request(row, values)
+    answer = _request(row, values)
+    if row[0] in _SWITCHES and answer[-1] == 0:
+        _note_switch(row[0], values)
+    return answer
 
 
 def _has_threads():
@@ -828,7 +862,9 @@ def _has_threads():
     return bool(_token.started) or _thread.get_ident() != _token.main
 
 
-_WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
+_WAITING = {"OSWait", "OSError", "sleep_us", "VWWait", "KEYGet", "KEYWait", "KEYGetXY", "IRTVGet", "RADIOReceive", "SERReceiveChar"}
+_KEYS = ANYKEY | KEY_LIST1 | KEY_LIST2 | KEY_LIST3 | KEY_LIST4 | KEY_LIST5 | KEY_LIST6 | KEY_LIST7 | KEY_LIST8
+_KEYS |= KEY_LISTDN | KEY_LISTUP | KEY_LISTTL
 
 
 _has_hinted_at_truncation = False
