@@ -409,11 +409,17 @@ def _out(name, written, *targets):
             names = code.co_varnames[: code.co_argcount]
             left, right = ", ".join(names[-count:]), ", ".join(names[:-count])
             _show_hint(f"`{name}` returns what it reads: write `{left} = {name}({right})`")
-        return written[0] if count == 1 else _Values(written[:count])
+        values = _or_zero(written[:count])
+        return values[0] if count == 1 else _Values(values)
     for target, value in zip(targets, written):
-        if _is_output(target):
+        if value is not None and _is_output(target):
             _store_one(target, value, name)
     return written[count] if len(written) > count else None
+
+
+def _or_zero(written):
+    """The outputs of a call, 0 for those that the call has not set."""
+    return [_Number(0) if value is None else value for value in written]
 
 
 def _store_one(target, value, name):
@@ -433,7 +439,8 @@ def _out_image(name, data, size, width, height, target, result=0):
 def _out_text(name, data, target, result):
     if target is None or not _is_output(target):
         return _text(data)
-    _fill(target, bytes(data).split(b"\0")[0] + b"\0", name)
+    if data:
+        _fill(target, bytes(data).split(b"\0")[0] + b"\0", name)
     return result
 
 
@@ -962,7 +969,7 @@ def _request(row, values, frame=None):
                 written.append(value if kind == "e" else _Number(value))
                 offset += _struct.calcsize(form)
             else:
-                written.append(_Number(0))
+                written.append(None)
         elif kind == "r":
             (length,) = _struct.unpack_from("<I", answer, offset)
             written.append(bytearray(answer[offset + 4 : offset + 4 + length]))
@@ -1302,7 +1309,8 @@ def SERReceive(interface, buf=None, size=256):
     data, length = _call(_SERReceive, interface, min(256, max(1, _whole(size))))
     if buf is None or not _is_output(buf):
         return bytes(data[:length])
-    _fill(buf, bytes(data[:length]) + b"\0", "SERReceive")
+    if data:
+        _fill(buf, bytes(data[:length]) + b"\0", "SERReceive")
     return length
 
 
@@ -1357,7 +1365,7 @@ def RADIOReceive(*arguments):
     id, buf, size = (None, None) + (arguments or (1024,)) if len(arguments) < 2 else arguments
     sender, data, result = _call(_RADIOReceive, None, max(0, _whole(size)))
     if not (_is_output(id) or _is_output(buf)):
-        return _Values((sender, _text(data)))
+        return _Values((*_or_zero([sender]), _text(data)))
     _out("RADIOReceive", [sender], id)
     if result == 0:
         _fill(buf, bytes(data).split(b"\0")[0] + b"\0", "RADIOReceive")
@@ -1398,7 +1406,7 @@ def SIMGetObject(id, *targets):
     _expect("SIMGetObject", 1 + len(targets), (1, 4, 5), "(id), (id, x, y, phi) or (id, x, y, z, phi)")
     written = _call(_SIMGetObject, id, None, None, None, None)
     if not any(_is_output(target) for target in targets):
-        return _Object(written)
+        return _Object(_or_zero(written))
     return _out("SIMGetObject", written if len(targets) == 4 else [*written[:2], written[3]], *targets)
 
 
