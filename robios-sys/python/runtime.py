@@ -1083,6 +1083,17 @@ def _whole(value):
     return _int(value, -(1 << 31), (1 << 31) - 1, "size")
 
 
+def _size_of(resolution, width, height):
+    """Width and height of a resolution, as the program gives them for CUSTOM; None if it is unknown."""
+    if resolution != CUSTOM or width is None or height is None:
+        return _SIZES.get(resolution)
+    return _whole(width), _whole(height)
+
+
+def _is_size(size):
+    return size is not None and min(size) > 0 and size[0] * size[1] <= CAM5MP_PIXELS
+
+
 def _grey(data):
     return _image(data, IP_PIXELS, IP_WIDTH, IP_HEIGHT)
 
@@ -1101,13 +1112,13 @@ def CAMInit(resolution, width=None, height=None):
     camera."""
     global CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, _shown_width, _shown_height
     resolution = _whole(resolution)
-    size = (int(width), int(height)) if resolution == CUSTOM and width and height else _SIZES.get(resolution)
-    if size is not None:
+    size = _size_of(resolution, width, height)
+    if _is_size(size):
         CAMWIDTH, CAMHEIGHT = size
         CAMPIXELS, CAMSIZE, CAMMODE = CAMWIDTH * CAMHEIGHT, 3 * CAMWIDTH * CAMHEIGHT, resolution
         _set_ip_size(CAMWIDTH, CAMHEIGHT)
         _shown_width, _shown_height = CAMWIDTH, CAMHEIGHT
-    return _call(_CAMInit, resolution, CAMWIDTH, CAMHEIGHT)[-1]
+    return _call(_CAMInit, resolution, *(size or (CAMWIDTH, CAMHEIGHT)))[-1]
 
 
 def CAMGet(buf=None):
@@ -1176,9 +1187,9 @@ def LEGGetHeight(mm=None):
 def IPSetSize(resolution, width=None, height=None):
     """Sets the size of the images of all IP functions; CUSTOM with width and height. Returns 0, 1 for another number."""
     resolution = _whole(resolution)
-    size = (width, height) if resolution == CUSTOM and width and height else _SIZES.get(resolution)
+    size = _size_of(resolution, width, height)
     result = _call(_IPSetSize, resolution)[-1]
-    if size is None:
+    if not _is_size(size):
         return 1
     _set_ip_size(*size)
     return result
