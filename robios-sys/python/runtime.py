@@ -1365,7 +1365,9 @@ def ANALOGTransfer(buffer=None):
 
 def RADIOSend(id, buf, size=None):
     """Sends a text of up to 1023 bytes to a robot, 0 for all robots; `size` limits the text. Returns 0, 1 on failure."""
-    data = _memory(buf, None if size is None else _whole(size), "RADIOSend")
+    size = None if size is None else max(0, _whole(size))
+    is_text = isinstance(buf, (str, bytes, bytearray))
+    data = _memory(buf, None, "RADIOSend")[:size] if is_text else _memory(buf, size, "RADIOSend")
     return _call(_RADIOSend, id, data)[-1]
 
 
