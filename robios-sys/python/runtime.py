@@ -1479,7 +1479,7 @@ class _Foreign:
         self._function, self.__name__ = function, function.__name__
 
     def __call__(self, *arguments):
-        code = self._function.__code__
+        code = getattr(self._function, "__wrapped__", self._function).__code__
         if not code.co_flags & 4:  # without *arguments: surplus arguments are ignored, as in C
             arguments = arguments[: code.co_argcount]
         result = self._function(*arguments)
