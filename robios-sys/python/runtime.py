@@ -1022,7 +1022,7 @@ def LCDPrintf(text, *values):
 
 
 def LCDSetPrintf(row, column, text, *values):
-    """Prints at a row and a column of characters, both from 0. Returns 0, 1 if there is no such place."""
+    """Prints at a row and a column of characters, both from 0. Returns 0."""
     return _call(_LCDSetPrintf, row, column, _formatted(text, values))[-1]
 
 

@@ -84,10 +84,10 @@ WEAK int LCDImageSize(int t)
     int32_t result = 0;
     int width = CAMWIDTH, height = CAMHEIGHT;
     ROBIOS(LCDImageSize, t, &result);
-    if (result == 0 && size_of(t, &width, &height)) {
-        shown_width = width;
-        shown_height = height;
-    }
+    if (!size_of(t, &width, &height))
+        return 1;
+    shown_width = width;
+    shown_height = height;
     return result;
 }
 
