@@ -44,13 +44,7 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, size: [i32; 2], image: 
 type Encode = fn(Size, &[u8]) -> Vec<u8>;
 
 /// `IPWriteFile` (3 bytes per pixel), `IPWriteFileGray` (1 byte per pixel)
-pub fn write_file(
-    robot: &mut Robot,
-    call: Call,
-    name: Option<&[u8]>,
-    size: [i32; 2],
-    image: Option<&[u8]>,
-) -> i32 {
+pub fn write_file(robot: &mut Robot, call: Call, name: Option<&[u8]>, size: [i32; 2], image: Option<&[u8]>) -> i32 {
     let (depth, encode): (_, Encode) =
         if call == Call::IPWriteFile { (3, pnm::write_colour) } else { (1, pnm::write_grey) };
     let mut write = || -> Result<(), String> {
