@@ -232,7 +232,8 @@ impl Lcd {
             return Ok(0);
         }
         if ink != Ink::Invert {
-            let cells = |first: i32, last: i32, size: usize| (first as usize).div_ceil(size)..(last + 1) as usize / size;
+            let cells =
+                |first: i32, last: i32, size: usize| (first as usize).div_ceil(size)..(last + 1) as usize / size;
             for line in cells(top, bottom.max(-1), CELL_HEIGHT) {
                 cells(left, right, CELL_WIDTH).for_each(|column| self.text[line][column] = b' ');
             }
