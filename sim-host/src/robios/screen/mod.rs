@@ -215,7 +215,8 @@ impl Screen {
     pub fn set_position(&mut self, row: i32, column: i32) {
         let [width, height] = self.font.size.cell().map(i32::from);
         let ([rows, columns], size) = (self.rows_and_columns(), self.size.map(i32::from));
-        let beyond = [if column < columns { i32::MIN } else { size[0] + 1 }, if row < rows { i32::MIN } else { size[1] }];
+        let beyond =
+            [if column < columns { i32::MIN } else { size[0] + 1 }, if row < rows { i32::MIN } else { size[1] }];
         self.cursor = [column.saturating_mul(width).max(beyond[0]), row.saturating_mul(height).max(beyond[1])];
     }
 
