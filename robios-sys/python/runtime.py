@@ -795,6 +795,16 @@ def _note_switch(name, values):
     (_switched_on.add if name.endswith("Init") else _switched_on.discard)(device)
 
 
+def _is_refused(name, values):
+    """Returns True if the simulator refuses a waiting call, or ends the program in it: then it does not wait."""
+    return (
+        name == "OSError"
+        or name == "RADIOReceive" and ("RADIO" not in _switched_on or values[1] == 0)
+        or name == "SERReceiveChar" and _whole(values[0]) not in _switched_on
+        or name == "KEYWait" and not _whole(values[0]) & _KEYS
+    )
+
+
 def _polled_once(row, values):
     """Executes a waiting call if it need not wait; otherwise returns None."""
     name = row[0]
@@ -823,21 +833,12 @@ def _wait_by_polling(row, values):
         _call(_LCDPrintf, (_memory(values[0], None, name) or b"") + b"\nError %d\n" % _whole(values[1]))
         _call(_KEYGet)
         return [_Number(0)]
-    # The simulator refuses these calls; it does not wait.
-    if (
-        name == "OSError"
-        or name == "RADIOReceive" and ("RADIO" not in _switched_on or values[1] == 0)
-        or name == "SERReceiveChar" and _whole(values[0]) not in _switched_on
-        or name == "KEYWait" and not _whole(values[0]) & _KEYS
-    ):
-        return None
-    outputs = _polled_once(row, values)
-    while outputs is None:
-        _token.wait(_never, _now_us() + _SLICE_US)
-        if not _has_threads():
-            return None
+    while _has_threads() and not _is_refused(name, values):
         outputs = _polled_once(row, values)
-    return outputs
+        if outputs is not None:
+            return outputs
+        _token.wait(_never, _now_us() + _SLICE_US)
+    return None
 
 
 # Functions with which a loop waits for something without letting time pass.
