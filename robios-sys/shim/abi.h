@@ -49,6 +49,7 @@ struct eyesim_support {
     int32_t (*show_grid)(void *robot, struct eyesim_bytes name, int32_t frame, double x_m, double y_m, double cell_m, int32_t columns, int32_t rows, struct eyesim_bytes cells, int32_t *result);
     int32_t (*show_points)(void *robot, struct eyesim_bytes name, int32_t frame, int32_t dimensions, int32_t count, struct eyesim_bytes coordinates, int32_t *result);
     int32_t (*show_line)(void *robot, struct eyesim_bytes name, int32_t frame, int32_t dimensions, int32_t count, struct eyesim_bytes coordinates, int32_t *result);
+    int32_t (*lidar_points)(void *robot, int32_t *result);
 };
 
 /* Version 1. */

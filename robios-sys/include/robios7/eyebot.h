@@ -623,7 +623,8 @@ int PSDGetRaw(int psd);
 /* ---- LIDAR: the laser scanner ---- */
 
 /* Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
- * ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially 360; 9999 if out of range.
+ * ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially as many as the
+ * robi states; 9999 if out of range.
  * Returns 0, 1 if there is no scanner.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LIDAR. */
