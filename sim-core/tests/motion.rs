@@ -81,6 +81,20 @@ fn drive_ends_exactly_at_the_commanded_length() {
 }
 
 #[test]
+fn a_lasting_contact_does_not_push_its_beginning_out_of_the_log() {
+    let mut motion = robot(model(), room(2.0), Pose::new(1.9, 1.0, 0.0));
+    let mut world = World::new(Arc::new(Walls::new(room(2.0))), Time::from_millis(50), [&mut motion]);
+    for slot in 0..60 {
+        let twist = Twist::new(0.3, if slot % 2 == 0 { 0.6 } else { -0.6 });
+        motion.command(world.slot_start(), Command::Twist(twist), &[]).expect("a valid command");
+        world.advance(&mut [&mut motion]);
+    }
+    let now = world.slot_start();
+    let impacts = motion.impacts(Time::ZERO, now);
+    assert_eq!((motion.contacts(now), impacts.iter().filter(|impact| impact.fresh).count()), (1, 1), "{impacts:?}");
+}
+
+#[test]
 fn robot_stops_one_skin_before_the_wall_and_stalls() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
     motion.command(Time::ZERO, drive(0.5, 0.0, 10.0), &[]).expect("a valid command");
