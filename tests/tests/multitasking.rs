@@ -55,6 +55,70 @@ fn reason_of(source: &str) -> String {
     one
 }
 
+#[test]
+fn a_refused_call_is_reported_with_its_line() {
+    let source = "static void work(void) { }
+int main(void)
+{
+    OSSpawn(\"work\", work, 0, 3, 1);
+    OSKill(0);
+    OSYield();
+    return 0;
+}";
+    let (ran, _) = run_one(source, &[]);
+    for said in ["prog.c:7: hint: `OSSpawn`", "prog.c:8: hint: `OSKill`", "prog.c:9: hint: `OSYield`"] {
+        assert!(ran.stderr.contains(said), "{said}: {ran:#?}");
+    }
+}
+
+#[test]
+fn forbidden_calls_end_neither_a_task_nor_the_program() {
+    let source = "static void work(void) { printf(\"kill self %d exit %d\\n\", OSKill(0), OSExit(3)); OSSleep(50); printf(\"alive\\n\"); }
+int main(void)
+{
+    struct tcb *task;
+    OSMTInit(PREEMPT);
+    task = OSSpawn(\"work\", work, 4096, 3, 1);
+    OSReady(task);
+    OSPermit();
+    OSSleep(20);
+    printf(\"kill %d exit %d panic %d\\n\", OSKill(task), OSExit(3), OSPanic(\"no\"));
+    OSSleep(100);
+    return 0;
+}";
+    let (ran, _) = run_one(source, &["--forbid", "OSKill,OSExit,OSPanic"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    assert_eq!(lines_of(&ran), ["kill self -1 exit -1", "kill -1 exit -1 panic -1", "alive"]);
+}
+
+#[test]
+fn releasing_the_drive_ends_the_wait_for_it_at_once() {
+    let source = "static VWHandle vw;
+static void drive(void)
+{
+    VWDriveStraight(vw, 1, 0.1);
+    VWDriveWait(vw);
+    printf(\"at %d\\n\", OSGetCount());
+}
+int main(void)
+{
+    struct tcb *task;
+    vw = VWInit(VW_DRIVE, 1);
+    OSMTInit(PREEMPT);
+    task = OSSpawn(\"drive\", drive, 4096, 3, 1);
+    OSReady(task);
+    OSPermit();
+    OSSleep(30);
+    VWRelease(vw);
+    OSSleep(100);
+    return 0;
+}";
+    for slot in ["1", "200"] {
+        let (ran, _) = run_one(source, &["--slot", slot]);
+        assert_eq!(lines_of(&ran), ["at 30"], "slot {slot}: {ran:#?}");
+    }
+}
+
 /// The classic example: a master creates three slave tasks that share one semaphore.
 const CLASSIC: &str = "
 #define SSIZE 4096

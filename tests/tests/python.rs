@@ -381,6 +381,78 @@ fn a_file_that_open_does_not_find_is_answered_by_its_folder_and_name() {
     }
 }
 
+/// Waits for input of all kinds while another thread works.
+const WAITER: &str = r#"
+import threading
+from eye import *
+
+print(LIDAR_RESOLUTION)
+SERInit(1, 10000, 0)
+count = 0
+
+def work():
+    global count
+    for step in range(35):
+        OSWait(100)
+        count += 1
+    SERSendChar(1, ord("x"))
+    OSWait(100)
+    count += 1
+
+thread = threading.Thread(target=work)
+thread.start()
+for wait in (lambda: KEYWait(KEY4), KEYGetXY, lambda: OSError("stuck", 3, 0), lambda: chr(SERReceiveChar(1))):
+    print(wait(), count, OSGetCount() // 100)
+print(SERReceiveChar(2), RADIOReceive(), count)
+thread.join()
+KEYGet()
+"#;
+
+#[test]
+fn threads_run_while_another_waits_for_any_input() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write("a.py", WAITER);
+    let robi = "name Bare\ndiameter 180\nspeed 600\nturn 300\nwheel 54 3600 1100 90\n\
+                drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\nlidar 720 0\n";
+    scratch.write("bare.robi", robi);
+    scratch.write("bare.toml", "[serial]\n1 = \"loopback\"\n");
+    scratch.write("a.sim", "world room.wld\nrobi bare.robi a.py 1000 1000 0\n");
+    let keys = "0.5:KEY1, 1.05:KEY4, 2.05:TOUCH(10,20), 3.05:KEY2";
+    let lines = said(&scratch, &["--keys", keys], 1);
+    assert_eq!(lines, ["720", "8 10 10", "(10, 20) 20 20", "0 30 30", "x 35 35", "0 (0, '') 35"]);
+    // At the end no thread can press a key.
+    let reason = &scratch.report("a.sim", &["--keys", keys], 1)["robots"][0]["reason"];
+    assert!(reason.as_str().is_some_and(|reason| reason.contains("KEYGet")), "{reason}");
+}
+
+/// Passes output arguments to calls that fail, and sizes and texts that C accepts.
+const ARGUMENTS: &str = r#"
+from ctypes import c_int, create_string_buffer
+from eye import *
+
+x, y, name = c_int(7), c_int(7), create_string_buffer(b"old", 8)
+print(SERVOGet(99), SIMGetObject(99, x, y, c_int(7)), x.value, y.value, SIMGetObject(99))
+print(SERReceive(1, name), name.value)
+print(IPSetSize(CUSTOM, 6000, 6000), IP_WIDTH, IPSetSize(CUSTOM, 0, 5), CAMInit(CUSTOM, -1, 10))
+print(IPReadFile("a.ppm"))
+RADIOInit()
+print(RADIOSend(0, "hello", 100), lib.LCDSetPrintf(1, 2, b"x"), lib.LIDARSet(180, 0, 90, 1, 2), LIDAR_RESOLUTION)
+"#;
+
+#[test]
+fn arguments_that_a_call_does_not_set_stay_as_in_c() {
+    if !has_python() {
+        return;
+    }
+    let scratch = scratch(&["a.py"]);
+    scratch.write("a.py", ARGUMENTS);
+    let expected = ["-1 None 7 7 (0, 0, 0)", "0 b'old'", "1 320 1 1", "None", "0 0 0 360"];
+    assert_eq!(said(&scratch, &[], 0), expected);
+}
+
 #[test]
 fn only_turns_by_a_part_of_pi_are_taken_for_radians() {
     if !has_python() {

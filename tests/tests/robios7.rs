@@ -171,6 +171,70 @@ fn a_timer_at_1_khz_leaves_waits_as_they_are() {
 }
 
 #[test]
+fn a_timer_that_another_timer_detaches_does_not_run() {
+    let scratch = scene_of(
+        "static TIMER second;
+        static int count;
+        static void detach(void) { OSDetachTimer(second); }
+        static void add(void) { count++; }
+        int main(void)
+        {
+            OSAttachTimer(10, detach);
+            second = OSAttachTimer(10, add);
+            OSWait(50);
+            printf(\"%d\\n\", count);
+            return 0;
+        }",
+    );
+    assert_eq!(printed(&scratch, &[], 0).0, ["0"]);
+}
+
+#[test]
+fn every_line_of_a_list_has_a_key() {
+    let scratch = scene_of(
+        "int main(void)
+        {
+            static menuitem_t items[10];
+            listmenu_t list = {\"Choose\", WHITE, BLUE};
+            list.pitems = items;
+            for (list.size = 8; list.size <= 10; list.size++) {
+                LCDList(&list);
+                printf(\"%d \", list.scroll);
+            }
+            printf(\"\\n\");
+            return 0;
+        }",
+    );
+    // There are keys for 8 items, and room for 10.
+    assert_eq!(printed(&scratch, &[], 0).0, ["0 1 1 "]);
+}
+
+/// Sets up the scanner, once with an angle that it does not have.
+const SCANS: &str = "int main(void)
+    {
+        int distances[LIDAR_RESOLUTION], i;
+        printf(\"%d\\n\", LIDAR_RESOLUTION);
+        for (i = 0; i < LIDAR_RESOLUTION; i++) distances[i] = -1;
+        LIDARGet(distances);
+        printf(\"%d\\n\", distances[LIDAR_RESOLUTION - 1] != -1);
+        LIDARSet(400, 0, 90);
+        printf(\"%d\\n\", LIDAR_RESOLUTION);
+        LIDARSet(180, 0, 90);
+        printf(\"%d\\n\", LIDAR_RESOLUTION);
+        return 0;
+    }";
+
+#[test]
+fn lidar_resolution_is_the_number_of_points_of_the_scanner() {
+    let scratch = scene_of(SCANS);
+    assert_eq!(printed(&scratch, &[], 0).0, ["360", "0", "360", "360"], "there is no scanner");
+    scratch.write("bare.robi", &format!("{BARE}lidar 720 0\n"));
+    for exec in ["fiber", "process"] {
+        assert_eq!(printed(&scratch, &["--exec", exec], 0).0, ["720", "1", "720", "90"], "{exec}");
+    }
+}
+
+#[test]
 fn waiting_in_a_timer_is_an_error() {
     let scratch = scene_of(
         "static void wait(void) { OSWait(1); }
@@ -211,6 +275,26 @@ fn serial_lines_carry_what_the_companion_connects() {
     let trace = scratch.trace("trace.jsonl");
     let sent = trace.iter().find(|line| line["event"] == "serial_sent").expect("what was sent is recorded");
     assert_eq!(sent["port"], "SERIAL1");
+}
+
+#[test]
+fn a_sent_byte_wakes_the_thread_that_waits_for_it() {
+    let scratch = scene_of(
+        "#include <pthread.h>
+        static void *receive(void *p) { printf(\"%c at %d\\n\", SERReceiveChar(1), OSGetCount()); return p; }
+        int main(void)
+        {
+            pthread_t thread;
+            SERInit(1, 10000, 0);
+            pthread_create(&thread, NULL, receive, NULL);
+            OSWait(100);
+            SERSendChar(1, 'x');
+            pthread_join(thread, NULL);
+            return 0;
+        }",
+    );
+    scratch.write("bare.toml", "[serial]\n1 = \"loopback\"\n");
+    assert_eq!(printed(&scratch, &[], 0).0, ["x at 101"], "10 bits at 10,000 baud take 1 ms");
 }
 
 #[test]
@@ -332,6 +416,9 @@ fn sounds_and_inputs_are_those_of_files() {
             printf(\"%d %d %d\\n\", AUMicrophone(), sample[7], ANALOGRead(8));
             printf(\"%d %d %d\\n\", DIGITALRead(3), DIGITALReadAll(), ANALOGVoltage());
             printf(\"%d %d\\n\", ANALOGRead(2), ANALOGRead(9));
+            /* A streamed file, whose header states no length. */
+            printf(\"%d %d\\n\", AUPlay(\"RIFF\\xff\\xff\\xff\\xffWAVEfmt \\x10\\0\\0\\0\\1\\0\\1\\0\\x40\\x1f\\0\\0\\x40\\x1f\\0\\0\\1\\0\\b\\0\"
+                                    \"data\\xff\\xff\\xff\\xff\"), AUPlay(\"RIFFle.wav\"));
             return 0;
         }",
     );
@@ -343,7 +430,7 @@ fn sounds_and_inputs_are_those_of_files() {
     scratch
         .write("bare.toml", "[input]\ndigital = { 3 = 1 }\nanalog = { 2 = 700 }\nvoltage_v = 6.85\nmicrophone = 200\n");
     let (lines, _) = printed(&scratch, &[], 0);
-    assert_eq!(lines, ["0 0 0 1", "200 200 800", "1 4 685", "700 -1"]);
+    assert_eq!(lines, ["0 0 0 1", "200 200 800", "1 4 685", "700 -1", "0 1"]);
 }
 
 #[test]

@@ -530,6 +530,13 @@ fn receivers_without_a_sender_wait_for_ever() {
     let mut buffer = OutBytes::with_capacity(4);
     assert_eq!((audio::record_6(robot, &mut buffer, 8_000), buffer.bytes()), (8_000, [128; 4].as_slice()));
     assert_eq!(audio::record_6(robot, &mut OutBytes::null(), 8_000), 0);
+    assert_eq!(audio::record_7(robot, &mut OutBytes::with_capacity(1 << 25), 8_000), 1, "more than a message has");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("beep.wav");
+    let header = b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0\x40\x1f\0\0\x40\x1f\0\0\x01\0\x08\0data\xa0\x0f\0\0";
+    std::fs::write(&path, header).unwrap();
+    let name = path.to_str().unwrap().as_bytes();
+    assert_eq!([audio::play_sample_6(robot, Some(name)), audio::play_sample_6(robot, Some(b"none"))], [8_000, 0]);
     assert_eq!(robot.robios.table.name(HDT_MOTOR, 7), "");
 }
 
