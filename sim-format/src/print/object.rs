@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use super::Printed;
-use super::number::{mm, shortest, written};
+use super::number::{shortest, written};
 use super::sim::quoted;
 use crate::spec::{Axis, Collider, ObjectType};
 use crate::{content, read_esobj};
@@ -24,7 +24,7 @@ fn text_of(object: &ObjectType) -> String {
         let _ = writeln!(out, "obj {}", quoted(&model.path.text).unwrap_or_default());
     }
     let _ = writeln!(out, "name {}", quoted(&object.name).unwrap_or_default());
-    let scale = mm(object.scale);
+    let scale = object.scale;
     let _ = writeln!(out, "scale {}", written(scale));
     // The file states lengths in units of the mesh.
     let factor = metres_from_mm(scale);

@@ -341,6 +341,7 @@ proptest! {
         let printed = print_esobj(&object);
         let read = read_esobj("a.esObj", &printed.text).0;
         prop_assert!(!printed.lost.is_empty() || content::object(&read) == content::object(&object), "{}", printed.text);
+        prop_assert_eq!(read.scale, object.scale, "{}", printed.text);
     }
 
     #[test]
