@@ -5,7 +5,7 @@ use glam::DVec3;
 use sim_core::build::MeshSource;
 use sim_core::spec::{ModelSpec, RobiSpec, Span, SpannedText, WorldSpec};
 use sim_format::map::read_scenarios;
-use sim_format::suite::{MAX_CASES, SuiteSpec, read_suite};
+use sim_format::suite::{MAX_CASES, read_suite};
 use sim_format::{Diagnostic, MemoryFiles, MeshReader};
 
 use crate::archive::Archive;
@@ -77,7 +77,7 @@ pub fn suite(input: &[u8]) {
     assert!(!cases.is_empty() && cases.len() as u64 <= suite.matrix.count().min(MAX_CASES));
     for case in cases.iter().take(100) {
         assert!(case.len() == axes.len() && case.iter().zip(&axes).all(|(index, axis)| *index < axis.values.len()));
-        SuiteSpec::settings(&axes, case);
+        suite.settings(&axes, case);
         suite.arguments(&axes, case);
     }
 }

@@ -149,6 +149,16 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     up.chain(path_parts[shared..].iter().copied()).collect::<Vec<_>>().join("/")
 }
 
+/// The reference `text` in a file in the folder `from`, as a file in the folder `to` states it. Absolute paths and
+/// paths that begin with `%sim%` do not change.
+pub(super) fn moved(text: &str, from: &str, to: &str) -> String {
+    let slashed = text.replace('\\', "/");
+    if is_absolute(&slashed) || strip_installation(&slashed).is_some() {
+        return text.to_owned();
+    }
+    relative(to, &join(from, &slashed))
+}
+
 fn strip_installation(text: &str) -> Option<&str> {
     let prefix = text.get(..INSTALLATION.len())?;
     prefix.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))

@@ -261,14 +261,15 @@ impl Matrix {
 
 impl SuiteSpec {
     /// Values of the scene for a case with these indices into `axes`.
-    pub fn settings(axes: &[Axis], indices: &[usize]) -> Vec<Setting> {
+    pub fn settings(&self, axes: &[Axis], indices: &[usize]) -> Vec<Setting> {
+        let scene = self.scene_of(axes, indices);
         let setting = |(axis, &index): (&Axis, &usize)| {
             let value = &axis.values[index];
             match axis.kind {
                 // The reader has already reported invalid paths and values.
                 AxisKind::Set => Setting::new(&axis.name, value).ok(),
                 AxisKind::World => {
-                    let file = toml::Value::from(value.as_str());
+                    let file = toml::Value::from(path::moved(value, &self.folder, path::folder_of(&scene)));
                     Setting::new("world", &format!("{{ file = {file} }}")).ok()
                 }
                 _ => None,
@@ -292,7 +293,7 @@ impl SuiteSpec {
         let matrix_scene = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
         let suite_scene = || self.scene.as_ref().map_or("", |scene| &scene.text);
         let text = matrix_scene.map_or_else(suite_scene, |(axis, &index)| &axis.values[index]);
-        if text.starts_with('/') { text.to_owned() } else { path::join(&self.folder, text) }
+        if path::is_absolute(text) { text.to_owned() } else { path::join(&self.folder, text) }
     }
 }
 
@@ -346,7 +347,7 @@ pub fn load_suite(file: &str, files: &dyn Files) -> LoadedSuite {
     }
     let axes = suite.matrix.axes();
     let first = suite.matrix.cases().into_iter().next().unwrap_or_else(|| vec![0; axes.len()]);
-    let settings = SuiteSpec::settings(&axes, &first);
+    let settings = suite.settings(&axes, &first);
     let overrides = Overrides { settings: &settings, ..Overrides::default() };
     let mut loaded = load_scene_with(&suite.scene_of(&axes, &first), overrides, files);
     diagnostics.append(&mut loaded.diagnostics);

@@ -190,7 +190,7 @@ impl Suite {
             arguments: spec.arguments(&self.axes, indices),
             stdin: spec.stdin.as_ref().map(|file| PathBuf::from(in_folder(&file.text))),
             noise: value(AxisKind::Noise).map(in_folder),
-            settings: SuiteSpec::settings(&self.axes, indices),
+            settings: spec.settings(&self.axes, indices),
             may_run_checks: self.may_run_checks,
             output_limit: spec.limits.output,
             ..Options::default()

@@ -12,7 +12,7 @@ use sim_core::radio::{Medium, RadioModel};
 use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
-use sim_format::suite::{print_suite, read_suite, suite_schema};
+use sim_format::suite::{load_suite, print_suite, read_suite, suite_schema};
 use sim_format::{
     Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion,
     read_robi, read_scene,
@@ -197,6 +197,24 @@ fn the_schema_of_suites_is_that_of_the_code_and_suites_print_as_they_were_read()
     // Only locations in the text differ.
     again.checks.clone_from(&suite.checks);
     assert_eq!((again.keys, again.arguments, again.limits), (suite.keys, suite.arguments, suite.limits));
+}
+
+/// Files of a suite in the folder `s`, whose scene and worlds are in other folders; `matrix` is its matrix.
+fn suite_of(matrix: &str) -> Overlay {
+    let suite = format!("[suite]\nscene = \"../scenes/a.scene.toml\"\n[matrix]\n{matrix}\n");
+    let scene = "[world]\nfile = \"a.wld\"\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n";
+    Overlay::of(&[
+        ("s/a.suite.toml", &suite),
+        ("scenes/a.scene.toml", scene),
+        ("scenes/a.wld", "floor 1000 1000\n"),
+        ("s/worlds/b.wld", "floor 3000 2000\n"),
+    ])
+}
+
+#[test]
+fn worlds_of_a_suite_are_relative_to_its_folder() {
+    let loaded = load_suite("s/a.suite.toml", &suite_of("world = [\"worlds/b.wld\"]")).loaded;
+    assert_eq!((loaded.diagnostics, loaded.scene.world.floor.to_array()), (Vec::new(), [3.0, 2.0]));
 }
 
 /// Keys of a type in the schema, over all its variants.
