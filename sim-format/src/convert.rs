@@ -272,6 +272,9 @@ impl Conversion<'_> {
         sim.run.seed = seed.or(sim.run.seed);
         if seed.is_some() || !sim.drawn.is_empty() {
             fix_random_positions(&mut sim, &loaded.scene);
+            if target == FileFormat::Scene {
+                keep_paths(&mut sim);
+            }
         }
         self.rewrite_references(&mut sim);
         sort_named_lines(&mut sim, &loaded.scene);
@@ -699,7 +702,10 @@ fn fix_random_positions(sim: &mut SimSpec, scene: &SceneSpec) {
             (line.pose, line.scatter) = (placed.pose, None);
         }
     }
-    // Requirements refer to the paths of lines, so the paths must stay the same.
+}
+
+/// Names lines such that their paths stay the same: requirements refer to the paths.
+fn keep_paths(sim: &mut SimSpec) {
     let robots = sim.robots.iter_mut().map(|line| (&line.path, &mut line.name));
     name_by_path("robot.", robots);
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));

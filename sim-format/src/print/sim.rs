@@ -92,6 +92,8 @@ impl Printer<'_> {
         let run = &sim.run;
         let has_types =
             !self.extra_type_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
+        let has_names =
+            sim.robots.iter().any(|line| line.name.is_some()) || sim.objects.iter().any(|line| line.name.is_some());
         let lost_properties = [
             (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
@@ -105,6 +107,11 @@ impl Printer<'_> {
             (run.noise.is_some(), "the noise profile"),
             (sim.radio != RadioModel::default(), "the radio"),
             (!sim.checks.is_empty(), "the checks"),
+            (!sim.faults.is_empty(), "the faults"),
+            (!sim.reachable.is_empty(), "the required routes"),
+            (run.contact.is_some(), "the contact of robots with walls"),
+            (run.wall_friction.is_some(), "the friction of the walls"),
+            (has_names, "the names of robots and objects"),
             (sim.inline.world.is_some(), "the world described in place"),
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),

@@ -509,8 +509,11 @@ fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
 
 #[test]
 fn what_a_sim_cannot_hold_is_named() {
-    let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\n[world]\nfloor_mm = [4000, 3000]\n\
-                [radio]\nbaud = 9600\n\
+    let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\ncontact = \"stall\"\n\
+                wall_friction = 0.1\n[world]\nfloor_mm = [4000, 3000]\n\
+                [radio]\nbaud = 9600\n[[fault]]\nkind = \"dies\"\nat_s = 5\n\
+                [[reachable]]\nfrom = [500, 500]\nto = [1500, 1500]\nwidth_mm = 100\n\
+                [[object]]\nname = \"goal\"\ntype = \"Can\"\nx_mm = 2000\ny_mm = 2000\n\
                 [[robot_type]]\nname = \"Scout\"\ndiameter_mm = 120\n\
                 [[robot]]\ntype = \"Scout\"\nprogram = \"a.c\"\narguments = [\"-v\"]\napi = 7\n\
                 count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
@@ -528,6 +531,11 @@ fn what_a_sim_cannot_hold_is_named() {
         "the arguments of r1",
         "r1 is written for RoBIOS 7",
         "2 robots",
+        "the faults",
+        "the required routes",
+        "the contact of robots",
+        "the friction of the walls",
+        "the names of robots and objects",
     ] {
         let is_named = converted.diagnostics.iter().any(|diagnostic| diagnostic.message.contains(what));
         assert!(is_named, "{what}: {:?}", converted.diagnostics);
