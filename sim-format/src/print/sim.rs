@@ -20,7 +20,7 @@ use sim_core::radio::RadioModel;
 /// `scene` must be loaded from `sim`; it provides the robots of groups and the names of types. Inline parts of `sim`
 /// are lost unless the caller has moved them to files.
 pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
-    let mut printer = Printer { out: Printed::default(), scene };
+    let mut printer = Printer { out: Printed::default(), scene, has_letters: true };
     printer.write_sim(sim);
     printer.out
 }
@@ -28,6 +28,8 @@ pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
 struct Printer<'a> {
     out: Printed,
     scene: &'a SceneSpec,
+    /// True if the starts of the world may have letters.
+    has_letters: bool,
 }
 
 /// Returns true if the scene follows the conventions of EyeSim VR of 2018.
@@ -64,6 +66,8 @@ impl Printer<'_> {
             self.write_line(&[object, &file]);
         }
         self.list_lost_properties(sim);
+        // Starts in a `.wld` have no letters.
+        self.has_letters = sim.world.as_ref().is_none_or(|line| path::extension(&line.path.text) != "wld");
         self.write_robots(sim);
         sim.objects.iter().for_each(|line| self.write_object(line));
         for marker in &sim.markers {
@@ -161,7 +165,7 @@ impl Printer<'_> {
         let robot_line = |robot: &&RobotSpec| {
             let start = match line.start {
                 StartRef::Next if is_classic(line) && !are_starts_taken => Vec::new(),
-                StartRef::Letter { letter, heading } => {
+                StartRef::Letter { letter, heading } if self.has_letters => {
                     [letter.to_string()].into_iter().chain(heading.map(written_degrees)).collect()
                 }
                 _ => pose(&robot.start).to_vec(),

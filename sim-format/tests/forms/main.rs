@@ -550,6 +550,16 @@ fn what_a_sim_cannot_hold_is_named() {
 }
 
 #[test]
+fn a_letter_that_a_world_file_loses_becomes_a_pose() {
+    let text = "[world]\nfloor_mm = [2000, 2000]\nstart = [{ x_mm = 300, y_mm = 400, letter = \"S\" }]\n\
+                [[robot]]\ntype = \"S4\"\nstart = \"S\"\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    files.write(&convert("a.scene.toml", "b.sim", &files));
+    let [old, new] = ["a.scene.toml", "b.sim"].map(|name| load_scene(name, &files));
+    assert_eq!((new.diagnostics.as_slice(), places(&new)), (&[][..], places(&old)));
+}
+
+#[test]
 fn references_are_rewritten_for_the_new_folder() {
     let files = Overlay::of(&[
         ("sims/a.sim", "world ../worlds/w.wld\nrobi r.robi p.c 200 200 0\nrobi r.robi %sim%/q.c 600 600 0\n"),
