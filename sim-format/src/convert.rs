@@ -20,6 +20,9 @@ use super::{
 };
 use sim_core::unit;
 
+/// Generation of a program for which neither its calls nor the scene determine one.
+const DEFAULT_GENERATION: u32 = 6;
+
 /// A file that a conversion writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
@@ -283,7 +286,9 @@ impl Conversion<'_> {
         }
         let printed = if target == FileFormat::Sim {
             self.write_inline(&mut sim);
-            print::print_sim(&sim, &loaded.scene)
+            let mut printed = print::print_sim(&sim, &loaded.scene);
+            printed.lost.extend(lost_generations(&sim, &loaded.scene, generation_of));
+            printed
         } else {
             let lost = if sim.format == SceneFormat::Sim {
                 set_generations(&mut sim, &loaded.scene, generation_of)
@@ -669,11 +674,30 @@ fn set_generations(sim: &mut SimSpec, scene: &SceneSpec, generation_of: &Generat
         line.into_iter().for_each(|line| line.api = generation);
         let is_other = robot.dialect != sim.run.dialect.map(Dialect::generation);
         if is_other && generation.is_none() && robot.program.is_some() {
-            let number = robot.dialect.unwrap_or_default();
-            lost.push(format!("that the program of {} is of RoBIOS {number} where its calls do not tell", robot.id));
+            lost.push(lost_generation(robot));
         }
     }
     lost
+}
+
+/// Descriptions of the programs whose generation changes in a sim file, since only the dialect of a line determines it.
+fn lost_generations(sim: &SimSpec, scene: &SceneSpec, generation_of: &GenerationOf<'_>) -> Vec<String> {
+    let is_lost = |robot: &&RobotSpec| {
+        let line = sim.robots.iter().find(|line| line.span == robot.span);
+        let written = if line.is_some_and(print::is_classic) { 6 } else { 7 };
+        let depends_on_dialect = || {
+            // A program that takes no stated generation, such as one in Python, takes none from the dialect either.
+            let stated = RobotSpec { api: Some(written), ..(*robot).clone() };
+            generation_of(scene, robot).is_none() && generation_of(scene, &stated).is_some()
+        };
+        robot.dialect.unwrap_or(DEFAULT_GENERATION) != written && depends_on_dialect()
+    };
+    scene.robots.iter().filter(is_lost).map(lost_generation).collect()
+}
+
+fn lost_generation(robot: &RobotSpec) -> String {
+    let number = robot.dialect.unwrap_or(DEFAULT_GENERATION);
+    format!("that the program of {} is of RoBIOS {number} where its calls do not tell", robot.id)
 }
 
 /// Replaces random positions with those that were drawn.

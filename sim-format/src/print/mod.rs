@@ -20,6 +20,7 @@ pub use object::print_esobj;
 pub use robi::{print_companion, print_robi};
 pub use scene::{companion_schema, noise_schema, print_scene, scene_schema};
 pub(super) use scene::{schema, section};
+pub(super) use sim::is_classic;
 pub use sim::print_sim;
 pub(crate) use text::document;
 pub use world::print_world;

@@ -213,7 +213,7 @@ impl Printer<'_> {
 }
 
 /// Returns true for a line that `robi FILE PROGRAM [X Y PHI]` can represent.
-fn is_classic(line: &RobotLine) -> bool {
+pub(crate) fn is_classic(line: &RobotLine) -> bool {
     matches!(line.kind, TypeRef::File(_)) && line.program.is_some() && !matches!(line.start, StartRef::Letter { .. })
 }
 

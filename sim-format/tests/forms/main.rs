@@ -14,8 +14,8 @@ use sim_core::time::Time;
 use sim_format::print::scene_schema;
 use sim_format::suite::{load_suite, print_suite, read_suite, suite_schema};
 use sim_format::{
-    Code, FileError, Files, Overrides, Severity, content, convert, load_scene, load_scene_with, read_companion,
-    read_robi, read_scene,
+    Code, ConvertOptions, FileError, Files, Overrides, Severity, content, convert, convert_with, load_scene,
+    load_scene_with, read_companion, read_robi, read_scene,
 };
 
 /// File system of the files below a folder, overlaid by those written in the test.
@@ -547,6 +547,26 @@ fn what_a_sim_cannot_hold_is_named() {
     assert!(!new.has_errors(), "{:?}", new.diagnostics);
     assert_eq!(places(&new), places(&old));
     assert_eq!(content::robi(&new.scene.robots[0].robi), content::robi(&old.scene.robots[0].robi));
+}
+
+#[test]
+fn a_generation_that_a_line_changes_is_named() {
+    let lost = |dialect: &str, kind: &str| {
+        let scene = format!(
+            "[scene]\n{dialect}\n[world]\nfloor_mm = [2000, 2000]\n[[robot]]\ntype = \"{kind}\"\nprogram = \"p.c\"\n\
+             x_mm = 500\ny_mm = 500\n"
+        );
+        let robi = "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
+        let files = Overlay::of(&[("a.scene.toml", &scene), ("A.robi", robi)]);
+        let converted = convert_with("a.scene.toml", "b.sim", ConvertOptions::default(), &files, &|_, robot| robot.api);
+        let messages = converted.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str());
+        messages.filter_map(|message| Some(message.split_once("r1 is of ")?.1[..8].to_owned())).collect::<String>()
+    };
+    assert_eq!(lost("", "S4"), "RoBIOS 6");
+    assert_eq!(lost("dialect = \"vr2023\"", "A.robi"), "RoBIOS 7");
+    for (dialect, kind) in [("", "A.robi"), ("dialect = \"vr2018\"", "S4"), ("api = 6", "S4")] {
+        assert_eq!(lost(dialect, kind), "", "{dialect}");
+    }
 }
 
 #[test]
