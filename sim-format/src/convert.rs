@@ -324,7 +324,7 @@ impl Conversion<'_> {
         }
         for (robi, span) in inline.robot_types {
             let companion = print::print_companion(&robi);
-            let part = format!("-{}", safe_file_name(&robi.name));
+            let part = self.part_of(&robi.name, "robi");
             if !companion.is_empty() {
                 self.write_beside(&part, "toml", Printed { text: companion, lost: Vec::new() });
             }
@@ -332,16 +332,32 @@ impl Conversion<'_> {
             sim.robot_types.push(SpannedText { span, ..path });
         }
         for (object, span) in inline.object_types {
-            let path =
-                self.write_beside(&format!("-{}", safe_file_name(&object.name)), "esObj", print::print_esobj(&object));
+            let part = self.part_of(&object.name, "esObj");
+            let path = self.write_beside(&part, "esObj", print::print_esobj(&object));
             sim.object_types.push(SpannedText { span, ..path });
         }
     }
 
+    /// Part of the name of the file with the type `name`, such as `-My_Bot`; with a number if an output has that name.
+    fn part_of(&self, name: &str, extension: &str) -> String {
+        let part = format!("-{}", safe_file_name(name));
+        let is_free = |part: &String| {
+            let path = path::join(path::folder_of(self.to), &self.name_beside(part, extension)).to_lowercase();
+            self.outputs.iter().all(|output| output.path.to_lowercase() != path)
+        };
+        let mut numbered = (2_u32..).map(|number| format!("{part}-{number}"));
+        if is_free(&part) { part } else { numbered.find(is_free).unwrap_or_default() }
+    }
+
+    /// Name of a file beside the target, named after the target.
+    fn name_beside(&self, part: &str, extension: &str) -> String {
+        let stem = path::stem(self.to);
+        format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem))
+    }
+
     /// Adds an output file beside the target, named after the target.
     fn write_beside(&mut self, part: &str, extension: &str, printed: Printed) -> SpannedText {
-        let stem = path::stem(self.to);
-        let name = format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem));
+        let name = self.name_beside(part, extension);
         self.write(path::join(path::folder_of(self.to), &name), printed);
         SpannedText { text: name, span: Span::default() }
     }

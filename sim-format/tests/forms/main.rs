@@ -570,6 +570,17 @@ fn a_generation_that_a_line_changes_is_named() {
 }
 
 #[test]
+fn types_with_similar_names_get_files_of_their_own() {
+    let types: String =
+        ["My Bot", "My_Bot", "my bot"].map(|name| format!("[[robot_type]]\nname = \"{name}\"\n")).concat();
+    let text = format!("[world]\nfloor_mm = [2000, 2000]\n{types}");
+    let converted = convert("a.scene.toml", "x/b.sim", &Overlay::of(&[("a.scene.toml", &text)]));
+    let paths: Vec<&str> = converted.outputs.iter().map(|output| output.path.as_str()).collect();
+    let robis: Vec<&str> = paths.into_iter().filter(|path| path.ends_with(".robi")).collect();
+    assert_eq!(robis, ["x/b-My_Bot.robi", "x/b-My_Bot-2.robi", "x/b-my_bot-3.robi"]);
+}
+
+#[test]
 fn a_letter_that_a_world_file_loses_becomes_a_pose() {
     let text = "[world]\nfloor_mm = [2000, 2000]\nstart = [{ x_mm = 300, y_mm = 400, letter = \"S\" }]\n\
                 [[robot]]\ntype = \"S4\"\nstart = \"S\"\n";
