@@ -601,7 +601,7 @@ impl Conversion<'_> {
         sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(|path| self.rewrite_path(path));
         for line in sim.robots.iter_mut().chain(&mut sim.named) {
             self.rewrite_type(&mut line.kind);
-            line.program.iter_mut().for_each(|program| self.rewrite_path(program));
+            line.program.iter_mut().for_each(|program| self.rewrite_program(program));
             line.noise.iter_mut().for_each(|noise| self.rewrite_noise(noise));
         }
         sim.objects.iter_mut().for_each(|line| self.rewrite_type(&mut line.kind));
@@ -645,27 +645,50 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a reference for the target's folder in two cases: the reference is relative to the source's folder and
-    /// the file exists, or no file exists at the paths of the reference but one exists near the source. Other
-    /// references do not change.
+    /// Rewrites the reference to a program, which may be a list of files with commas between them.
+    fn rewrite_program(&self, program: &mut SpannedText) {
+        let is_file = !program.text.contains(',') || self.place_of(&program.text).is_some();
+        let parts =
+            if is_file { vec![program.text.as_str()] } else { program.text.split(',').map(str::trim).collect() };
+        program.text = parts.into_iter().map(|part| self.rewritten(part)).collect::<Vec<_>>().join(",");
+    }
+
     fn rewrite_path(&self, reference: &mut SpannedText) {
+        reference.text = self.rewritten(&reference.text);
+    }
+
+    /// The reference `text` in a file in the target's folder. It does not change if it is absolute, begins with
+    /// `%sim%`, or is found only in the working folder or the installation. A reference whose file is found elsewhere
+    /// near the source becomes the path of that file.
+    fn rewritten(&self, text: &str) -> String {
         let (source_folder, target_folder) = (path::folder_of(self.from), path::folder_of(self.to));
-        if source_folder == target_folder {
-            return;
+        let place = self.place_of(text);
+        if source_folder == target_folder || place.is_some_and(|place| place > 0) {
+            return text.to_owned();
         }
-        let text = reference.text.replace('\\', "/");
-        let candidates = path::candidates(&text, source_folder, None);
         let exists =
             |path: &String| self.files.list(path::folder_of(path)).iter().any(|name| name == path::file_name(path));
-        let is_relative = |first: &&String| !text.starts_with('/') && path::join(source_folder, &text) == **first;
-        let found = match candidates.first().filter(is_relative).filter(|first| exists(first)) {
-            Some(first) => Some(first.clone()),
-            None if candidates.iter().any(exists) => None,
-            None => path::relocated_candidates(&reference.text, source_folder, None).into_iter().find(exists),
-        };
-        if let Some(found) = found {
-            reference.text = path::relative(target_folder, &found);
+        let elsewhere = || path::relocated_candidates(text, source_folder, None).into_iter().find(exists);
+        match place.map_or_else(elsewhere, |_| None) {
+            Some(found) => path::relative(target_folder, &found),
+            None => path::moved(text, source_folder, target_folder),
         }
+    }
+
+    /// Index in [`path::candidates`] of the path at which the file of the reference `text` is; otherwise of a path at
+    /// which a file has the same name apart from case and extension, such as the source of a program.
+    fn place_of(&self, text: &str) -> Option<usize> {
+        let candidates = path::candidates(text, path::folder_of(self.from), self.files.home());
+        let stem = |name: &str| path::stem(name).to_lowercase();
+        let is_same = |name: &str, wanted: &str| name == wanted;
+        let is_similar = |name: &str, wanted: &str| stem(name) == stem(wanted);
+        let place = |is_meant: &dyn Fn(&str, &str) -> bool| {
+            let has_file = |path: &String| {
+                self.files.list(path::folder_of(path)).iter().any(|name| is_meant(name, path::file_name(path)))
+            };
+            candidates.iter().position(has_file)
+        };
+        place(&is_same).or_else(|| place(&is_similar))
     }
 }
 

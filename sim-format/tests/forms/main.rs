@@ -606,6 +606,30 @@ fn references_are_rewritten_for_the_new_folder() {
 }
 
 #[test]
+fn references_without_an_exact_file_are_rewritten_too() {
+    let files = Overlay::of(&[
+        (
+            "src/a.sim",
+            "world Room.wld\nS4 300 500 0 left.x\nS4 700 500 0 right\nS4 1100 500 0 \"a.c, b.c\"\n\
+             S4 1500 500 0 later.c\nS4 1900 500 0 here.x\nS4 2300 500 0 \"x,y.c\"\n",
+        ),
+        ("src/room.wld", "floor 3000 1000\n"),
+        ("src/left.c", ""),
+        ("src/right.c", ""),
+        ("src/a.c", ""),
+        ("src/x,y.c", ""),
+        ("here.c", ""),
+    ]);
+    let converted = convert("src/a.sim", "out/b.scene.toml", &files);
+    let text = converted.outputs[0].text();
+    let is_quoted = |line: &str| text.contains(&format!("= \"{line}\""));
+    for path in ["Room.wld", "left.x", "right", "a.c,../src/b.c", "later.c", "x,y.c"] {
+        assert!(is_quoted(&format!("../src/{path}")), "{path} is not in\n{text}");
+    }
+    assert!(is_quoted("here.x"), "{text}");
+}
+
+#[test]
 fn a_companion_changes_the_camera_of_a_robi() {
     let robi = "drive DIFFERENTIAL_DRIVE\ncamera 0 60 100 0 -10 160 120\nfisheye 150\n";
     let read = |companion: &str| {
