@@ -576,8 +576,19 @@ impl Conversion<'_> {
         let (mut sim, diagnostics) = read_scene(self.from, &text);
         // A file with only types is not a complete scene, but sufficient here.
         let is_scene = scene::has_scene_key(&text);
-        loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_scene || it.code != Code::TomlMissing));
-        loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
+        let is_scattered = |world: &WorldSpec| {
+            let walls = world.walls.iter().any(|wall| wall.scatter.is_some());
+            walls || world.objects.iter().any(|line| line.scatter.is_some())
+        };
+        if is_scene && (!sim.drawn.is_empty() || sim.inline.world.as_ref().is_some_and(is_scattered)) {
+            // Random values depend on the whole scene: they are drawn until everything has its place.
+            let overrides = Overrides { seed: self.options.seed, ..Overrides::default() };
+            (loaded, sim) = load_with_spec(self.from, overrides, self.files);
+            fix_random_positions(&mut sim, &loaded.scene);
+        } else {
+            loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_scene || it.code != Code::TomlMissing));
+            loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
+        }
         self.rewrite_references(&mut sim);
         match (target, sim.inline.robot_types.as_slice(), sim.inline.object_types.as_slice()) {
             (FileFormat::World | FileFormat::Maze | FileFormat::Map, ..) if sim.inline.world.is_some() => {

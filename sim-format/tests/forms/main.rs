@@ -570,6 +570,27 @@ fn a_generation_that_a_line_changes_is_named() {
 }
 
 #[test]
+fn random_walls_are_placed_by_the_seed_in_a_world_file() {
+    let text = "[world]\nfloor_mm = [4000, 3000]\n[[world.wall]]\ncount = 3\nlength_mm = 500\n\
+                layout = { kind = \"random\", clearance_mm = 250 }\n[[robot]]\ntype = \"S4\"\nlayout = \"random\"\n";
+    let files = Overlay::of(&[("a.scene.toml", text)]);
+    let walls = |seed| {
+        let options = ConvertOptions { seed: Some(seed), ..ConvertOptions::default() };
+        files.write(&convert_with("a.scene.toml", "b.wld", options, &files, &|_, _| None));
+        let written = sim_format::load_world("b.wld", &files).scene.world;
+        let overrides = Overrides { seed: Some(seed), ..Overrides::default() };
+        let loaded = load_scene_with("a.scene.toml", overrides, &files).scene.world;
+        let [written, loaded] = [written, loaded].map(|world| {
+            let ends = world.walls.iter().flat_map(|wall| [wall.from.x, wall.from.y, wall.to.x, wall.to.y]);
+            ends.map(|metres| (metres * 1e9).round()).collect::<Vec<_>>()
+        });
+        assert!(written.len() == 12 && written == loaded, "{written:?} are not {loaded:?}");
+        written
+    };
+    assert_ne!(walls(1), walls(2));
+}
+
+#[test]
 fn types_with_similar_names_get_files_of_their_own() {
     let types: String =
         ["My Bot", "My_Bot", "my bot"].map(|name| format!("[[robot_type]]\nname = \"{name}\"\n")).concat();
