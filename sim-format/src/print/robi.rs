@@ -12,7 +12,7 @@ use crate::form::print_non_defaults;
 use crate::form::robot::companion;
 use crate::form::sensor::psd_keys;
 use crate::robi::DRIVES;
-use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
+use crate::spec::{Axis, Collider, JointSpec, PsdSpec, RobiSpec};
 use crate::{content, read_companion, read_robi};
 use sim_core::drive::DriveKind;
 
@@ -35,7 +35,7 @@ pub fn print_companion(robi: &RobiSpec) -> String {
         print_non_defaults(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
     // Keep only the keys that the robi itself does not represent.
     if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
-        camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
+        camera.retain(|key, _| matches!(key, "fov_deg" | "fisheye_deg" | "samples"));
         if camera.is_empty() {
             table.remove("camera");
         }
@@ -135,9 +135,6 @@ fn vr_text(robi: &RobiSpec) -> String {
     let _ = writeln!(out, "axis {} {}", written_mm(0.5 * robi.wheel.diameter), written_mm(robi.axis_offset));
     let is_omni = robi.drive.kind == DriveKind::Omni;
     device_lines(&mut out, robi, if is_omni { robi.wheel.track } else { 0.5 * robi.wheel.track });
-    if let Some(Lens::Fisheye { fov }) = robi.camera.as_ref().map(|camera| camera.lens) {
-        let _ = writeln!(out, "fisheye {}", written_degrees(fov));
-    }
     out
 }
 

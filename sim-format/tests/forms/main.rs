@@ -663,6 +663,12 @@ fn a_companion_changes_the_camera_of_a_robi() {
     assert_eq!(camera.lens, Lens::Pinhole { fov: 90.0_f64.to_radians() });
     assert_eq!((camera.samples, camera.image, camera.position.to_array()), (1, Some([320, 240]), [0.06, 0.0, 0.07]));
     assert_eq!(read("[camera]\n").0, read("").0, "nothing stated, nothing changed");
+    for companion in ["", "[camera]\nfisheye_deg = 120\n"] {
+        let files = Overlay::of(&[("a.robi", robi), ("a.toml", companion)]);
+        files.write(&convert("a.robi", "b.robi", &files));
+        let [old, new] = ["a.robi", "b.robi"].map(|name| sim_format::load_robi(name, &files).0.expect("a robi"));
+        assert_eq!(content::robi(&new).camera, content::robi(&old).camera);
+    }
     let mut bare = read_robi("a.robi", "drive DIFFERENTIAL_DRIVE\n").0;
     assert_eq!(read_companion("a.toml", "[camera]\nz_mm = 100\n", &mut bare), []);
     assert_eq!(bare.camera.map(|camera| camera.lens), Some(sim_core::spec::DEFAULT_LENS), "a camera of its own");
