@@ -32,18 +32,28 @@ const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
 pub(crate) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 const HEADING: Quantity = Quantity::angle("heading");
 
-/// Reference to a type: a file if it has one of these extensions, otherwise a name.
+/// Reference to a type: a file if it has one of these extensions or begins with a folder such as `.`, otherwise a name.
 struct TypeReference(&'static [&'static str]);
+
+impl TypeReference {
+    fn is_file(&self, text: &str) -> bool {
+        let first_folder = text.split_once(['/', '\\']).map(|(folder, _)| folder.to_lowercase());
+        self.0.contains(&path::extension(text).as_str())
+            || matches!(first_folder.as_deref(), Some("." | ".." | "" | "%sim%"))
+    }
+}
 
 impl Kind<TypeRef> for TypeReference {
     fn read(&self, context: ReadContext<'_, '_>, _: Option<&TypeRef>) -> Option<TypeRef> {
         let reference = context.reader.reference(context.section, context.key)?;
-        let is_file = self.0.contains(&path::extension(&reference.text).as_str());
-        Some(if is_file { TypeRef::File(reference) } else { TypeRef::Name(reference) })
+        Some(if self.is_file(&reference.text) { TypeRef::File(reference) } else { TypeRef::Name(reference) })
     }
 
     fn print(&self, kind: &TypeRef) -> Value {
-        TEXT.print(kind.written())
+        match kind {
+            TypeRef::File(file) if !self.is_file(&file.text) => format!("./{}", file.text).into(),
+            _ => TEXT.print(kind.written()),
+        }
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
@@ -128,7 +138,11 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
         _ => None,
     };
     let (mut letter, mut heading) = match *start {
-        StartRef::Letter { letter, heading } => (Some(letter), heading),
+        // In a sim file of EyeSim VR of 2018, any letter means the next start.
+        StartRef::Letter { letter, heading } => {
+            let is_known = char::WORDS.iter().any(|(known, ..)| *known == letter);
+            (Some(if is_known { letter } else { 'S' }), heading)
+        }
         _ => (None, None),
     };
     let (mut count, mut layout) = match *start {

@@ -602,6 +602,30 @@ fn types_with_similar_names_get_files_of_their_own() {
 }
 
 #[test]
+fn lines_of_a_sim_that_toml_writes_differently_keep_their_meaning() {
+    let robi = "wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
+    let files = Overlay::of(&[
+        ("m.maz", " ___\n|S  |\n|___|\n"),
+        ("old.sim", "world m.maz\nrobi A.robi\nLabBot x\n"),
+        ("A.robi", robi),
+        ("w.wld", "floor 2000 2000\n"),
+        ("meshes.sim", "world w.wld\nS4 500 500 0\nobject 800 800 0 0.0 can.3ds\nobject 1200 800 0 0.1 tin\n"),
+    ]);
+    for name in ["old", "meshes"] {
+        let (sim, toml) = (format!("{name}.sim"), format!("{name}.scene.toml"));
+        files.write(&convert(&sim, &toml, &files));
+        let [old, new] = [sim, toml].map(|name| load_scene(&name, &files));
+        assert!(!old.has_errors() && !new.has_errors(), "{:?}", new.diagnostics);
+        assert_eq!(places(&new), places(&old));
+        let shapes = |loaded: &sim_format::Loaded| {
+            let objects = loaded.scene.objects.iter();
+            objects.map(|object| (object.kind.name.clone(), object.kind.colliders.clone())).collect::<Vec<_>>()
+        };
+        assert_eq!(shapes(&new), shapes(&old));
+    }
+}
+
+#[test]
 fn a_letter_that_a_world_file_loses_becomes_a_pose() {
     let text = "[world]\nfloor_mm = [2000, 2000]\nstart = [{ x_mm = 300, y_mm = 400, letter = \"S\" }]\n\
                 [[robot]]\ntype = \"S4\"\nstart = \"S\"\n";
