@@ -173,7 +173,7 @@ codes! {
     SimWorldMissing = "sim-world-missing": "a scene without a world",
     SimWorldTwice = "sim-world-twice": "a second world in one scene",
     SonarBus = "sonar-bus": "more sonars on a bus than the bus has addresses",
-    SuiteAxis = "suite-axis": "a matrix refers to an unknown list, or joins lists of different lengths",
+    SuiteAxis = "suite-axis": "a matrix refers to an unknown list or value, or joins lists of different lengths",
     SuiteCases = "suite-cases": "a suite with too many cases, or with none",
     SuiteParameter = "suite-parameter": "a parameter that no argument uses, or an argument with an unknown parameter",
     TerrainClear = "terrain-clear": "boulders of a terrain for which no free position was found",

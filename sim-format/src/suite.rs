@@ -9,14 +9,14 @@ use sim_core::spec::CheckSpec;
 use sim_core::time::Time;
 
 use super::code::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Sink};
 use super::form::{Form, print};
-use super::path;
+use super::noise::{PRESETS, preset, unknown_sensors};
 use super::print::{document, schema};
 use super::set::Setting;
 use super::spec::SpannedText;
 use super::table::{Reader, Section, has_top_key};
-use super::{Files, InputFile, Loaded, Overrides, Span, load_scene_with};
+use super::{Files, InputFile, Loaded, Overrides, Span, line, load_noise, load_scene_with, path};
 
 /// Suffix of file names that identifies a suite without reading its content.
 pub const SUITE_EXTENSION: &str = ".suite.toml";
@@ -184,6 +184,14 @@ impl Axis {
     pub fn label(&self, index: usize) -> &str {
         label(&self.values[index])
     }
+
+    /// Indices of the values that equal `value`, numbers as numbers: 20 equals 20.0.
+    fn indices_of(&self, value: &str) -> Vec<usize> {
+        let number = |text: &str| text.replace('_', "").parse::<f64>().ok();
+        let wanted = number(value);
+        let is_equal = |label: &str| label == value || wanted.is_some() && number(label) == wanted;
+        (0..self.values.len()).filter(|index| is_equal(self.label(*index))).collect()
+    }
 }
 
 /// A value of TOML without its quotes.
@@ -248,12 +256,18 @@ impl Matrix {
             }
             indices
         };
+        // For each excluded combination, its axes and the indices of their values.
+        let values_of = |(name, value): (&String, &String)| {
+            let axis_index = axes.iter().position(|axis| axis.name == *name);
+            axis_index.map_or((0, Vec::new()), |axis_index| (axis_index, axes[axis_index].indices_of(value)))
+        };
+        let exclude: Vec<Vec<(usize, Vec<usize>)>> =
+            self.exclude.iter().map(|combination| combination.iter().map(values_of).collect()).collect();
         let is_excluded = |indices: &Vec<usize>| {
-            let label_of = |name: &String| {
-                let axis_index = axes.iter().position(|axis| axis.name == *name)?;
-                Some(axes[axis_index].label(indices[axis_index]))
+            let has_value = |(axis_index, values): &(usize, Vec<usize>)| {
+                indices.get(*axis_index).is_some_and(|index| values.contains(index))
             };
-            self.exclude.iter().any(|excluded| excluded.iter().all(|(name, value)| label_of(name) == Some(value)))
+            exclude.iter().any(|combination| combination.iter().all(has_value))
         };
         (0..total).map(case).filter(|indices| !is_excluded(indices)).collect()
     }
@@ -347,13 +361,86 @@ pub fn load_suite(file: &str, files: &dyn Files) -> LoadedSuite {
     }
     let axes = suite.matrix.axes();
     let first = suite.matrix.cases().into_iter().next().unwrap_or_else(|| vec![0; axes.len()]);
-    let settings = suite.settings(&axes, &first);
-    let overrides = Overrides { settings: &settings, ..Overrides::default() };
-    let mut loaded = load_scene_with(&suite.scene_of(&axes, &first), overrides, files);
+    let mut loaded = suite.load_case(&axes, &first, files);
     diagnostics.append(&mut loaded.diagnostics);
-    diagnostics.extend(check_of_suite(&suite, &loaded.scene));
     inputs.append(&mut loaded.inputs);
     LoadedSuite { suite, loaded: Loaded { diagnostics, inputs, ..loaded } }
+}
+
+/// Maximum number of cases that [`check_suite`] loads. Our choice: seconds for usual scenes.
+const MAX_CHECKED_CASES: usize = 1000;
+
+/// Reads a suite like [`load_suite`], and so many of its cases that each scene, world, noise profile and value of a
+/// scene is read at least once.
+pub fn check_suite(file: &str, files: &dyn Files) -> LoadedSuite {
+    let LoadedSuite { suite, mut loaded } = load_suite(file, files);
+    if loaded.has_errors() {
+        return LoadedSuite { suite, loaded };
+    }
+    let axes = suite.matrix.axes();
+    let mut seen = BTreeSet::new();
+    let has_new_value = |case: &&Vec<usize>| {
+        let mut is_new = false;
+        for (axis, index) in axes.iter().zip(case.iter()) {
+            let is_read = matches!(axis.kind, AxisKind::Scene | AxisKind::World | AxisKind::Set | AxisKind::Noise);
+            is_new |= is_read && seen.insert((&axis.name, *index));
+        }
+        is_new
+    };
+    let mut known = loaded.diagnostics.clone();
+    for case in suite.matrix.cases().iter().filter(has_new_value).take(MAX_CHECKED_CASES) {
+        let mut of_case = suite.load_case(&axes, case, files);
+        suite.read_noise(&axes, case, files, &mut of_case);
+        let settings: Vec<String> =
+            axes.iter().zip(case).map(|(axis, &index)| format!("{}={}", axis.name, axis.label(index))).collect();
+        for new in of_case.diagnostics {
+            if !known.contains(&new) {
+                known.push(new.clone());
+                let message = format!("{} (case {})", new.message, settings.join(","));
+                loaded.diagnostics.push(Diagnostic { message, ..new });
+            }
+        }
+        let new_inputs = of_case.inputs.into_iter().filter(|input| !loaded.inputs.contains(input)).collect::<Vec<_>>();
+        loaded.inputs.extend(new_inputs);
+    }
+    LoadedSuite { suite, loaded }
+}
+
+impl SuiteSpec {
+    /// Loads the scene of a case, and checks the suite's checks with it.
+    fn load_case(&self, axes: &[Axis], indices: &[usize], files: &dyn Files) -> Loaded {
+        let settings = self.settings(axes, indices);
+        let overrides = Overrides { settings: &settings, ..Overrides::default() };
+        let mut loaded = load_scene_with(&self.scene_of(axes, indices), overrides, files);
+        loaded.diagnostics.extend(check_of_suite(self, &loaded.scene));
+        loaded
+    }
+
+    /// Reads the noise profile of a case, and reports its mistakes and those in its use by the scene of `loaded`.
+    fn read_noise(&self, axes: &[Axis], indices: &[usize], files: &dyn Files, loaded: &mut Loaded) {
+        let Some((axis, &index)) = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Noise) else {
+            return;
+        };
+        let name = &axis.values[index];
+        if preset(name).is_some() {
+            return;
+        }
+        let in_folder = path::moved(name, &self.folder, "");
+        let Some(file) = [in_folder, name.clone()].into_iter().find(|file| files.read(file).is_ok()) else {
+            let mut sink = Sink::new(&self.file);
+            let message = format!("there is no noise profile `{name}`");
+            let expected = format!("one of {}, or a file", PRESETS.join(", "));
+            let nearest = line::nearest(name, PRESETS).map(|preset| format!("write `{preset}`"));
+            sink.error(Code::FileMissing, self.matrix.span, message, expected).suggestion = nearest;
+            loaded.diagnostics.extend(sink.finish());
+            return;
+        };
+        let (noise, read) = load_noise(&file, files);
+        loaded.scene.robots.iter_mut().for_each(|robot| robot.noise.clone_from(&noise));
+        loaded.diagnostics.extend(read.diagnostics);
+        loaded.diagnostics.extend(unknown_sensors(&loaded.scene.robots));
+        loaded.inputs.extend(read.inputs);
+    }
 }
 
 /// Mistakes in the checks of a suite for this scene.
@@ -405,6 +492,16 @@ impl Reader {
             self.sink.error(Code::SuiteCases, matrix.span, message, format!("at most {MAX_CASES}"));
         } else if self.sink.is_empty() && matrix.cases().is_empty() {
             self.sink.error(Code::SuiteCases, matrix.span, "`exclude` leaves no case", "at least one case");
+        }
+        for (name, value) in matrix.exclude.iter().flatten() {
+            let Some(axis) = axes.iter().find(|axis| axis.name == *name) else { continue };
+            if axis.indices_of(value).is_empty() {
+                let message = format!("`exclude` has `{value}`, which is no value of `{name}`");
+                let labels = (0..axis.values.len()).map(|index| axis.label(index));
+                let suggestion = line::nearest(value, labels).map(|label| format!("write `{label}`"));
+                let expected = "values of the lists of the matrix";
+                self.sink.warn(Code::SuiteAxis, matrix.span, message, expected).suggestion = suggestion;
+            }
         }
     }
 

@@ -18,7 +18,7 @@ use sim_host::program::language::Language;
 
 use sim_format::map::{WORLD_EXTENSIONS, load_scenarios};
 use sim_format::path::{extension, with_extension};
-use sim_format::suite::{LoadedSuite, SUITE_EXTENSION, is_suite, load_suite};
+use sim_format::suite::{self, LoadedSuite, SUITE_EXTENSION, is_suite};
 
 use super::cc::parse_api;
 use super::diagnostic::{self, Colour, Format, Screen};
@@ -164,9 +164,9 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
     is_suite(name, &text)
 }
 
-/// Checks a suite and the scene of its first case.
+/// Checks a suite and the scenes of its cases.
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
-    let LoadedSuite { suite, mut loaded } = load_suite(name, files);
+    let LoadedSuite { suite, mut loaded } = suite::check_suite(name, files);
     loaded.diagnostics.extend(unknown_forbidden_functions(&suite.file, &suite.forbid));
     let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
     loaded.diagnostics.extend(invalid_checks(&scene));

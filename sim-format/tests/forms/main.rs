@@ -12,7 +12,7 @@ use sim_core::radio::{Medium, RadioModel};
 use sim_core::spec::Lens;
 use sim_core::time::Time;
 use sim_format::print::scene_schema;
-use sim_format::suite::{load_suite, print_suite, read_suite, suite_schema};
+use sim_format::suite::{check_suite, load_suite, print_suite, read_suite, suite_schema};
 use sim_format::{
     Code, ConvertOptions, FileError, Files, Overrides, Severity, content, convert, convert_with, load_scene,
     load_scene_with, read_companion, read_robi, read_scene,
@@ -215,6 +215,23 @@ fn suite_of(matrix: &str) -> Overlay {
 fn worlds_of_a_suite_are_relative_to_its_folder() {
     let loaded = load_suite("s/a.suite.toml", &suite_of("world = [\"worlds/b.wld\"]")).loaded;
     assert_eq!((loaded.diagnostics, loaded.scene.world.floor.to_array()), (Vec::new(), [3.0, 2.0]));
+}
+
+#[test]
+fn further_values_of_a_suite_are_checked() {
+    let matrix = "world = [\"worlds/b.wld\", \"worlds/nope.wld\"]\nnoise = [\"none\", \"mlid\"]\nseed = [1, 2]\n\
+                  slot_ms = [20, 50]\nset = { \"robot[0].x_mm\" = [500, \"x\"] }\n\
+                  exclude = [{ noise = \"nnoe\" }, { seed = 7 }, { slot_ms = 20.0 }]";
+    let suite = check_suite("s/a.suite.toml", &suite_of(matrix));
+    assert_eq!(suite.suite.matrix.cases().len(), 16, "half of the cases have another slot");
+    let messages: Vec<&str> = suite.loaded.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    for part in ["`nnoe`, which is no value of `noise`", "`7`, which", "nope.wld` is not found", "noise profile `mlid`"]
+    {
+        assert_eq!(messages.iter().filter(|message| message.contains(part)).count(), 1, "{part}: {messages:?}");
+    }
+    let is_of_x = |message: &&&str| message.contains("x_mm") && message.contains("(case world=");
+    assert_eq!(messages.iter().filter(is_of_x).count(), 1, "{messages:?}");
+    assert_eq!(messages.len(), 5, "{messages:?}");
 }
 
 /// Keys of a type in the schema, over all its variants.
