@@ -198,7 +198,8 @@ fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<Siz
             }
             continue;
         };
-        if line::looks_numeric(first.text) {
+        // A row may begin with `.` for an empty cell.
+        if line::looks_numeric(first.text) && first.text.contains(|c: char| c.is_ascii_digit()) {
             if let Some(extra) = words.get(1) {
                 let message = format!("`{}` is left over after the cell size", extra.text);
                 sink.warn(Code::WordExtra, extra.span, message, CELL_SYNTAX);

@@ -79,3 +79,9 @@ fn notches_beyond_the_border_are_cells() {
         assert!(wall_ends(&maze).iter().any(is_close), "no {wall:?} in {:?}", wall_ends(&maze));
     }
 }
+
+#[test]
+fn a_row_may_begin_with_a_blank_and_a_dot() {
+    let (maze, diagnostics) = read_maze("m.maz", " _____\n|. . .|\n . . .|\n|_____|\n360\n");
+    assert_eq!((codes(&diagnostics), maze.floor), (vec!["maz-gap"], DVec2::new(3.0, 3.0) * 0.36));
+}
