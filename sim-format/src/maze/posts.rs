@@ -60,9 +60,17 @@ impl Lattice {
     }
 }
 
-/// Returns true if some line of `text` consists of posts and walls.
+/// Returns true if `text` has a line of posts with a wall between them, or two lines of the same posts with a row of
+/// cells between them. A single line of letters `o` may be a row of EyeSim's drawing, with balls in its cells.
 pub(super) fn is_posts(text: &str) -> bool {
-    line::lines(text).any(|line| line.text.len() < 1 << 16 && Lattice::of(&characters(&line)).is_some())
+    let lattice_of = |line: Line<'_>| {
+        let is_short = line.text.len() < 1 << 16;
+        let lattice = is_short.then(|| Lattice::of(&characters(&line))).flatten()?;
+        Some((lattice, line.text.contains(|c| !matches!(c, ' ' | '\t' | '.' | '_') && c != lattice.post)))
+    };
+    let lattices: Vec<Option<(Lattice, bool)>> = line::lines(text).map(lattice_of).collect();
+    let has_wall = lattices.iter().flatten().any(|(_, has_wall)| *has_wall);
+    has_wall || lattices.windows(3).any(|lines| lines[0].is_some() && lines[0] == lines[2])
 }
 
 pub(super) fn read(sink: &mut Sink, text: &str) -> ContestMaze {

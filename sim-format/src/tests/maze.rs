@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::super::*;
-use super::{codes, wall_ends};
+use super::{Memory, codes, wall_ends};
 
 #[test]
 fn even_indentation_shifts_the_maze() {
@@ -84,4 +84,15 @@ fn notches_beyond_the_border_are_cells() {
 fn a_row_may_begin_with_a_blank_and_a_dot() {
     let (maze, diagnostics) = read_maze("m.maz", " _____\n|. . .|\n . . .|\n|_____|\n360\n");
     assert_eq!((codes(&diagnostics), maze.floor), (vec!["maz-gap"], DVec2::new(3.0, 3.0) * 0.36));
+}
+
+#[test]
+fn balls_in_an_open_row_are_no_posts() {
+    let files = Memory::new(&[
+        ("balls.maz", " _____\n|     |\n  o o\n|_____|\n"),
+        ("posts.maz", "o   o   o\n|   |   |\no   o   o\n"),
+    ]);
+    let [balls, posts] = ["balls.maz", "posts.maz"].map(|name| load_world(name, &files).scene.world);
+    assert_eq!((balls.objects.len(), balls.floor), (2, DVec2::new(3.0, 3.0) * 0.36));
+    assert_eq!((posts.objects.len(), posts.floor), (0, DVec2::new(2.0, 1.0) * 0.36));
 }
