@@ -47,7 +47,9 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let text = format!("{}{}\n", drawing.text(), written_mm(cell));
     let mut read_back = read_maze("", &text).0;
     read_back.texture.clone_from(&world.texture);
+    read_back.texture_is_turned = world.texture_is_turned;
     read_back.terrain.clone_from(&world.terrain);
+    read_back.water = world.water;
     read_back.surface = world.surface;
     read_back.looks = world.looks;
     let mut expected_content = content::world(world);
@@ -77,7 +79,8 @@ pub(crate) fn lost_in_maze(world: &WorldSpec) -> Vec<String> {
     let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
     let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
     let looks = (world.looks != LooksSpec::default()).then(|| LOOKS.to_owned());
-    [texture, surface, terrain, looks].into_iter().flatten().collect()
+    let water = world.water.map(|_| "the water".to_owned());
+    [texture, surface, terrain, water, looks].into_iter().flatten().collect()
 }
 
 /// Drawing of a maze in progress, with row 0 at the bottom.

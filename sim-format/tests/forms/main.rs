@@ -643,6 +643,14 @@ fn lines_of_a_sim_that_toml_writes_differently_keep_their_meaning() {
 }
 
 #[test]
+fn a_maze_with_water_and_a_texture_is_a_maze() {
+    let text = "[world]\nmaze = \"\"\"\n _\n|_|\n\"\"\"\ntexture = \"a.png\"\ntexture_turned = true\nwater_mm = 50\n";
+    let converted = convert("a.scene.toml", "a.maz", &Overlay::of(&[("a.scene.toml", text)]));
+    let lost = converted.diagnostics.iter().filter(|diagnostic| diagnostic.code == Code::ConvertLost);
+    assert_eq!((lost.count(), converted.outputs.len()), (2, 1), "{:?}", converted.diagnostics);
+}
+
+#[test]
 fn a_letter_that_a_world_file_loses_becomes_a_pose() {
     let text = "[world]\nfloor_mm = [2000, 2000]\nstart = [{ x_mm = 300, y_mm = 400, letter = \"S\" }]\n\
                 [[robot]]\ntype = \"S4\"\nstart = \"S\"\n";
