@@ -47,14 +47,14 @@ pub use convert::{
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;
 pub use load::{
-    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_noise, load_object,
-    load_robi, load_scene, load_scene_with, load_world, load_world_with,
+    FileError, Files, InputFile, Loaded, MemoryFiles, Overrides, check_scene, decode, load_costs, load_noise,
+    load_object, load_robi, load_scene, load_scene_with, load_world, load_world_with,
 };
 pub use maze::{CellRules, read_maze, read_maze_with};
 pub use mesh::MeshReader;
 pub use noise::{LEVELS, NOISE_EXTENSION, PRESETS, is_noise, preset, preset_text, read_noise, unknown_sensors};
 pub use robi::read_robi;
-pub use scene::{SCENE_EXTENSION, is_scene, read_costs, read_scene};
+pub use scene::{SCENE_EXTENSION, is_costs, is_scene, read_costs, read_scene};
 pub use set::{Setting, SettingError};
 pub use sim::read_sim;
 pub use world::read_world;

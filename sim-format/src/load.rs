@@ -10,7 +10,7 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::scene::{self, Draw, read_scene_with};
 use super::set::{self, Setting};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, RobiSpec, RobotSpec, RunSpec, SceneSpec,
+    CostTable, CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, RobiSpec, RobotSpec, RunSpec, SceneSpec,
     SensorShape, SerialLine, SimSpec, SpannedText, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
@@ -302,6 +302,17 @@ pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
     let mut loader = Loader::new(files);
     let noise = loader.read_root(path).map(|text| loader.read_profile(path, &text));
     (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
+}
+
+/// Reads only a cost table; `None` if the file does not exist. The scene of the result is empty.
+pub fn load_costs(path: &str, files: &dyn Files) -> (Option<CostTable>, Loaded) {
+    let mut loader = Loader::new(files);
+    let costs = loader.read_root(path).map(|text| {
+        let (table, diagnostics) = read_costs(path, &text);
+        loader.diagnostics.extend(diagnostics);
+        table
+    });
+    (costs, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
 /// Decodes a file as UTF-8; invalid bytes become U+FFFD. Also returns the offset of the first invalid byte, if any.

@@ -141,7 +141,10 @@ fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
         "toml" if is_suite_file(name, files) => check_suite(name, files),
         "toml" if is_scene(name, files) => check_sim(name, overrides, files, find_program),
         "toml" if is_noise(name, files) => sim_format::load_noise(name, files).1,
-        "toml" => check_robi(&with_extension(name, "robi"), files),
+        "toml" if is_costs_file(name, files) => check_costs(name, files),
+        "toml" if files.read(&with_extension(name, "robi")) != Err(FileError::Missing) => {
+            check_robi(&with_extension(name, "robi"), files)
+        }
         _ => {
             let diagnostic = match files.read(name) {
                 Err(FileError::Missing) => on_file(Code::FileMissing, name, "no such file", "a file that can be read"),
@@ -177,6 +180,18 @@ fn check_suite(name: &str, files: &dyn Files) -> Loaded {
 pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
     let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
     sim_format::is_noise(name, &text)
+}
+
+/// Returns true if the file is a cost table.
+fn is_costs_file(name: &str, files: &dyn Files) -> bool {
+    let text = files.read(name).map_or(String::new(), |bytes| sim_format::decode(&bytes).0);
+    sim_format::is_costs(name, &text)
+}
+
+fn check_costs(name: &str, files: &dyn Files) -> Loaded {
+    let (table, mut loaded) = sim_format::load_costs(name, files);
+    loaded.diagnostics.extend(table.iter().flat_map(unknown_functions));
+    loaded
 }
 
 /// Extensions of files checked in a folder, in addition to `.scene.toml`, `.suite.toml` and `.noise.toml`. A companion
@@ -235,11 +250,12 @@ fn unknown_kind(name: &str) -> Diagnostic {
          or of a map or maze of another program: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt";
     let is_program = Language::of(Path::new(name)).is_some()
         || [".py", ".rs", ".so"].iter().any(|extension| name.ends_with(extension));
-    let message = match is_program {
-        true => {
-            "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
-        }
-        false => "the extension of the file name is unknown or missing",
+    let message = if is_program {
+        "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
+    } else if extension(name) == "toml" {
+        "the file is no scene, suite, noise profile or cost table, and no .robi of the same name is beside it"
+    } else {
+        "the extension of the file name is unknown or missing"
     };
     on_file(Code::FileKind, name, message, expected)
 }
@@ -391,11 +407,14 @@ mod tests {
     #[test]
     fn unknown_and_missing_files_are_errors() {
         let (folder, _) = folder(&[]);
-        fs::write(folder.path().join("a.doc"), "").expect("a file");
-        let names = ["a.doc", "a.maz"].map(|name| slashed(&folder.path().join(name)));
+        for (name, text) in [("a.doc", ""), ("a.toml", "x = 1"), ("c.toml", "[robios6]\nPSDGett = 5")] {
+            fs::write(folder.path().join(name), text).expect("a file");
+        }
+        let names = ["a.doc", "a.maz", "a.toml", "b.toml", "c.toml"].map(|name| slashed(&folder.path().join(name)));
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let codes: Vec<Code> = checked.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
-        assert_eq!(codes, [Code::FileKind, Code::FileMissing]);
+        let expected = [Code::FileKind, Code::FileMissing, Code::FileKind, Code::FileMissing, Code::CostFunction];
+        assert_eq!(codes, expected);
     }
 
     #[test]

@@ -77,6 +77,11 @@ pub(super) fn choices(text: &str) -> usize {
     draw::max_choices(&Reader::parse("", text).1)
 }
 
+/// Returns true for a TOML file that is a cost table: it has `robios6` or `robios7` at its top level.
+pub fn is_costs(path: &str, text: &str) -> bool {
+    path::extension(path) == "toml" && has_top_key(text, &["robios6", "robios7"])
+}
+
 /// Reads a cost table without checking the names of the functions.
 pub fn read_costs(file: &str, text: &str) -> (CostTable, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
