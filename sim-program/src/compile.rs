@@ -438,11 +438,15 @@ impl<'a> Compilation<'a> {
         let dependencies = object.with_extension("d");
         let mut command = self.compile_command(compiler);
         command.args(compiler.compile_flags()).arg(compiler.standards()[usize::from(variant.is_old)]);
+        // A source beside hidden headers is compiled by its link. The compiler still runs in the source folder, to
+        // which the paths in flags and in `#include "../map.h"` are relative.
+        let mut links = PathBuf::new();
         if !variant.hidden.is_empty() {
-            let folder = self.folder_without(variant.hidden)?;
-            command.arg(format!("-ffile-prefix-map={}={}", folder.display(), self.source_folder().display()));
-            command.current_dir(folder);
+            links = self.folder_without(variant.hidden)?;
+            command.arg(format!("-ffile-prefix-map={}/=", links.display()));
+            command.arg("-iquote").arg(self.kit_folder.join("include")).args(["-iquote", "."]);
         }
+        let without_links = |output: String| output.replace(&*links.join("").to_string_lossy(), "");
         let inline_flag = variant.inline_rule.compile_flag().filter(|_| compiler.language() == Language::C);
         command.args(inline_flag).args(variant.is_lean.then_some(c::LEAN_FLAG));
         command.args(split_flags(self.extra_flags).0);
@@ -452,12 +456,14 @@ impl<'a> Compilation<'a> {
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
         // By its extension, the compiler would take `MAIN.C` for C++.
         let language = if Language::of(source) == Some(Language::Cpp) { "c++" } else { "c" };
-        command.args(["-x", language, "-c"]).arg(self.name_in_source_folder(source)).arg("-o").arg(object);
+        command.args(["-x", language, "-c"]).arg(links.join(self.name_in_source_folder(source))).arg("-o").arg(object);
         let output = self
             .execute(compiled, compiler, &mut command, self.folder)?
-            .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;
+            .map(without_links)
+            .map_err(|output| Failure::Refused { source_file: source.to_owned(), output: without_links(output) })?;
         let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
-        compiled.read_files.extend(listed.iter().map(|path| self.source_folder().join(path)));
+        let paths = listed.iter().map(|path| path.strip_prefix(&links).unwrap_or(path));
+        compiled.read_files.extend(paths.map(|path| self.source_folder().join(path)));
         Ok(output)
     }
 

@@ -569,6 +569,33 @@ impl Support for Listener {
 }
 
 #[test]
+fn paths_are_relative_to_the_source_folder_also_if_a_header_is_hidden() {
+    let text = "#include \"eyebot.h\"\n#include \"../common/util.h\"\n#include \"more.h\"\n#include \"own.h\"\n#include <string.h>\n\
+                int main(void) { return strcmp(__FILE__, \"a.c\") ? 1 : TestAnswer() + UTIL + MORE + OWN; }\n";
+    let header = "int VWStraight(float);\nint TestAnswer(char *);\n";
+    let files = [
+        ("src/a.c", text),
+        ("src/eyebot.h", header),
+        ("src/own.h", "#define OWN 100\n"),
+        ("common/util.h", "#include \"eyebot.h\"\n#define UTIL 1\n"),
+        ("more/more.h", "#define MORE 10\n"),
+    ];
+    let Some(mut test_folder) = TestFolder::with(&files) else { return };
+    test_folder.tools.cflags = Some("-I../more".to_owned());
+    let built = test_folder.built(&["src/a.c"]);
+    assert!(built.output.contains("RoBIOS's own: eyesim's is used instead"), "{}", built.output);
+    assert_eq!(run(&test_folder.loaded(&["src/a.c"])), 42 + 111);
+    // A change of any file that was read is noticed, and messages name files as the user does.
+    test_folder.write("common/util.h", "#define UTIL 2\n");
+    test_folder.write("src/own.h", "#define OWN 200\n");
+    assert_eq!(run(&test_folder.loaded(&["src/a.c"])), 42 + 212);
+    test_folder.write("src/own.h", "#define OWN oops\n");
+    let message = test_folder.build(&["src/a.c"]).expect_err("it does not compile").to_string();
+    assert!(message.contains("\na.c:6:") && message.contains("\nown.h:1:"), "{message}");
+    assert!(!message.contains("sources/"), "{message}");
+}
+
+#[test]
 fn kit_of_robios_6_has_its_headers() {
     let text = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n#include \"hdt_sem.h\"\nint main(int argc, char **argv)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  printf(\"%s %d %d\\n\", argv[1], argc, vw);\n  exit(PSD_FRONT == -200 ? 3 : 4);\n}\n";
     let Some(test_folder) = TestFolder::with(&[("a.c", text)]) else { return };
