@@ -202,7 +202,9 @@ fn program(what: &str) -> String {
          #include <stdlib.h>\n#include <string.h>\n#include <time.h>\n#include <sys/mman.h>\n#include <sys/socket.h>\n#include <sys/stat.h>\n\
          #include <sys/syscall.h>\n#include <unistd.h>\n\
          int count;\nint deep(int n) {{ volatile char big[4096]; big[0] = n; return deep(n + 1) + big[0]; }}\n\
-         void *idle(void *x) {{ for (;;) pause(); return x; }}\nint main(void)\n{{\n    OSWait(1);\n    {what}\n    return 0;\n}}\n"
+         void *idle(void *x) {{ for (;;) pause(); return x; }}\n\
+         void *fill(void *x) {{ static char b[1 << 20]; char n[32]; for (int i = 0; i < 200; i++) {{ sprintf(n, \"%d\", i);\n\
+         int f = open(n, O_CREAT | O_WRONLY, 0600); write(f, b, sizeof b); close(f); }} return idle(x); }}\nint main(void)\n{{\n    OSWait(1);\n    {what}\n    return 0;\n}}\n"
     )
 }
 
@@ -221,6 +223,21 @@ fn hostile_programs_end_alone() {
             assert!(ran.stderr.len() < 2 << 20 && !ran.stderr.contains('\x1b'), "{name}");
         }
     }
+}
+
+#[test]
+fn limits_hold_while_main_waits_in_a_call() {
+    if tests::lacks_sandbox() {
+        return;
+    }
+    let scratch = folders();
+    // The other robots compute for some tenths of a second meanwhile.
+    let busy = "#include \"eyebot.h\"\nint main(void) { OSWait(1); for (volatile int i = 0; i < 200000000; i++) ; return 0; }\n";
+    scratch.write("run/programs/good.c", busy);
+    let waits = program("pthread_t t; pthread_create(&t, 0, fill, 0); OSWait(1000);");
+    let (report, ran) = run_bad(&scratch, &waits, None, &[]);
+    let said = report["robots"][1]["reason"].as_str().unwrap_or_default();
+    assert!(said.contains("exceed the limits of its sandbox"), "`{said}`\n{ran:#?}");
 }
 
 /// Random system calls change nothing outside the sandbox and no other robot. `EYESIM_FUZZ_SEED` sets the first seed,

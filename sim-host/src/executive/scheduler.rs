@@ -380,6 +380,8 @@ impl Scheduler {
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
+                // A process that exceeds its limits fails in its next call.
+                self.run.programs().filter_map(RobotProgram::child).for_each(|child| _ = child.check_limits());
                 if last_report.elapsed() >= LONG_COMPUTATION {
                     last_report = Instant::now();
                     self.report_computing(&running);

@@ -260,9 +260,7 @@ impl Child {
         self.spinning.spin(channel);
         let mut missing_before = None;
         loop {
-            if let Some(excess) = self.scratch.as_ref().and_then(|scratch| scratch.excess(self.pid)) {
-                return Err(self.lose(self.failure(&excess)));
-            }
+            self.check_limits()?;
             if channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
                 break;
             }
@@ -290,6 +288,17 @@ impl Child {
             }
             None => Err(self.malformed()),
         }
+    }
+
+    /// Checks the limits of a restricted process, at most once per interval. Its threads may exceed them also while
+    /// `main` waits in a call.
+    ///
+    /// # Errors
+    /// [`Failure`] if the process exceeds a limit; it is then lost.
+    pub fn check_limits(&self) -> Result<(), Failure> {
+        let scratch = self.scratch.as_ref().filter(|_| !self.is_ending());
+        let excess = scratch.and_then(|scratch| scratch.excess(self.pid));
+        excess.map_or(Ok(()), |excess| Err(self.lose(self.failure(&excess))))
     }
 
     /// Returns true if the process is alive but its thread `thread` is not.
