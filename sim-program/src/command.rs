@@ -114,7 +114,7 @@ pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Outp
 }
 
 /// Runs `command` to its end and collects its output; its standard input is empty. A command that exceeds a limit is
-/// killed with all processes that it has started.
+/// killed with all processes that it has started; output of processes that have left its group is then not awaited.
 ///
 /// # Errors
 /// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or
@@ -184,14 +184,15 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
         thread::sleep(POLL_INTERVAL);
     };
     // Processes that the command has started and left running may hold the pipes open.
-    let [stdout, stderr] = readers.map(|reader| {
+    let [stdout, stderr] = readers.map(|(reader, bytes)| {
         while !reader.is_finished() && excess().is_none() {
             thread::sleep(POLL_INTERVAL);
         }
         if !reader.is_finished() {
             kill();
         }
-        reader.join().unwrap_or_default()
+        // A process that has left the group keeps its pipe open, so the end of the reader is not awaited.
+        std::mem::take(&mut *bytes.lock())
     });
     match excess() {
         Some((kind @ io::ErrorKind::FileTooLarge, message)) => Err(io::Error::new(kind, message)),
@@ -199,23 +200,36 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     }
 }
 
+/// A thread that reads a stream, and the bytes that it has read so far.
+type Reader = (thread::JoinHandle<()>, Arc<Mutex<Vec<u8>>>);
+
 /// Starts a thread that reads a stream to its end, but stops after more than `max_bytes` bytes. With a thread for each
 /// stream, a full pipe of one stream does not block the command.
 fn start_reader(
     stream: Option<impl Read + Send + 'static>,
     max_bytes: usize,
     is_flooded: &Arc<AtomicBool>,
-) -> io::Result<thread::JoinHandle<Vec<u8>>> {
-    let is_flooded = Arc::clone(is_flooded);
-    thread::Builder::new().name("output".to_owned()).spawn(move || {
-        let mut bytes = Vec::new();
-        // Bytes that were read before an error are kept.
-        let _ = stream.map(|stream| stream.take((max_bytes as u64).saturating_add(1)).read_to_end(&mut bytes));
-        if bytes.len() > max_bytes {
-            is_flooded.store(true, Ordering::Relaxed);
+) -> io::Result<Reader> {
+    let (is_flooded, bytes) = (Arc::clone(is_flooded), Arc::<Mutex<Vec<u8>>>::default());
+    let read = Arc::clone(&bytes);
+    let reader = thread::Builder::new().name("output".to_owned()).spawn(move || {
+        let Some(mut stream) = stream else { return };
+        let mut buffer = [0; 1 << 14];
+        loop {
+            let count = match stream.read(&mut buffer) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Ok(0) | Err(_) => return,
+                Ok(count) => count,
+            };
+            let mut read = read.lock();
+            read.extend_from_slice(&buffer[..count]);
+            if read.len() > max_bytes {
+                is_flooded.store(true, Ordering::Relaxed);
+                return;
+            }
         }
-        bytes
-    })
+    })?;
+    Ok((reader, bytes))
 }
 
 #[cfg(test)]
@@ -228,6 +242,16 @@ mod tests {
         let error = build_output(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
         assert_eq!(error.expect_err("it hangs").kind(), io::ErrorKind::TimedOut);
         assert!(start.elapsed() < Duration::from_secs(500));
+    }
+
+    #[test]
+    fn process_that_leaves_the_group_does_not_exceed_the_time_limit() {
+        let start = Instant::now();
+        let mut command = Command::new("sh");
+        command.args(["-c", "echo out; setsid sleep 30 & exit 0"]);
+        let output = build_output(&mut command, Duration::from_millis(500)).expect("a shell");
+        assert_eq!(output.stdout, b"out\n");
+        assert!(start.elapsed() < Duration::from_secs(20));
     }
 
     #[test]
