@@ -81,6 +81,11 @@ impl Ready {
         &self.scenery
     }
 
+    /// Height of the body of robot `id` at the start, m; 0 for a robot without legs that is not in the water.
+    pub fn start_height(&self, id: RobotId) -> f64 {
+        self.world.stance(id).map_or(0.0, |stance| stance.lift)
+    }
+
     /// Destination of the images, scans and layers of the programs, if requested.
     pub fn frames(&self) -> Option<&Arc<Frames>> {
         self.frames.as_ref()

@@ -39,8 +39,8 @@ pub struct InitialContents {
     pub slot: Time,
     /// Scene at the start.
     pub scene: Scene,
-    /// Starting poses of the scene's robots, in the order of the scene.
-    pub robots: Vec<Pose>,
+    /// Starting poses of the scene's robots, and the heights of their bodies, m, in the order of the scene.
+    pub robots: Vec<(Pose, f64)>,
     /// Starting poses of the scene's movable objects, in the order of the scene.
     pub objects: Vec<Pose>,
     /// Source of images, scans and layers.
@@ -63,8 +63,8 @@ pub struct Mcap {
     frames: Arc<Frames>,
     /// Transforms that have changed in this slot.
     changed_transforms: Vec<Value>,
-    /// Heights of the bodies of robots with legs or in the water, m.
-    lifts: BTreeMap<RobotId, f64>,
+    /// Last places of the robots; those with legs or in the water are at the heights of their bodies.
+    places: BTreeMap<RobotId, Point>,
     /// Links of the robots with legs.
     links: BTreeMap<RobotId, Vec<Link>>,
     /// Numbers of the next robot and the next object to be added.
@@ -115,7 +115,7 @@ impl Mcap {
             scene,
             frames,
             changed_transforms,
-            lifts: BTreeMap::new(),
+            places: BTreeMap::new(),
             links: BTreeMap::new(),
             next_numbers,
             needs_flush: true,
@@ -128,12 +128,15 @@ impl Mcap {
     }
 
     /// Writes the entities of all bodies, and the transforms of the bodies and their sensors.
-    fn write_initial_contents(&mut self, robots: &[Pose], objects: &[Pose]) -> Result<(), RecordError> {
+    fn write_initial_contents(&mut self, robots: &[(Pose, f64)], objects: &[Pose]) -> Result<(), RecordError> {
         let at = Time::ZERO;
         let mut transforms = Vec::new();
-        for (robot, pose) in self.scene.robots.iter().zip(robots) {
+        for (robot, (pose, height_m)) in self.scene.robots.iter().zip(robots) {
             let frame = scene::robot_frame(RobotId(robot.id));
-            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::pose_in_space(pose)));
+            let mut place = scene::pose_in_space(pose);
+            place.position_m[2] = *height_m;
+            self.places.insert(RobotId(robot.id), place);
+            transforms.push(scene::transform(at, scene::WORLD, &frame, &place));
             transforms.extend(scene::links(at, RobotId(robot.id), &robot.links, &robot.standing_rad));
             self.links.insert(RobotId(robot.id), robot.links.clone());
             let mounts = robot.sensors.iter().filter_map(|sensor| Some((&sensor.name, sensor.mount?)));
@@ -219,6 +222,14 @@ impl Mcap {
         self.changed_transforms.push(scene::transform(at, scene::WORLD, child, point));
     }
 
+    /// Moves the robot in the plane; its height stays.
+    fn place_robot(&mut self, at: Time, robot: RobotId, [x_m, y_m, phi_rad]: [f64; 3]) {
+        let mut place = scene::upright(x_m, y_m, phi_rad);
+        place.position_m[2] = self.places.get(&robot).map_or(0.0, |known| known.position_m[2]);
+        self.places.insert(robot, place);
+        self.move_to(at, &scene::robot_frame(robot), &place);
+    }
+
     fn log(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         const INFO: u8 = 2;
         const WARNING: u8 = 3;
@@ -260,7 +271,7 @@ impl Mcap {
         match action {
             Action::AddRobot { kind, x_m, y_m, phi_rad, .. } => {
                 let id = self.next_number(0);
-                self.move_to(at, &scene::robot_frame(RobotId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
+                self.place_robot(at, RobotId(id), [*x_m, *y_m, *phi_rad]);
                 if let Some(model) = self.scene.robots.iter().find(|robot| robot.kind == *kind) {
                     entities.extend(scene::robot(&self.scene, id, model.id));
                     self.changed_transforms.extend(scene::links(at, RobotId(id), &model.links, &model.standing_rad));
@@ -280,7 +291,7 @@ impl Mcap {
             }
             Action::RemoveObject { object } => deletions.push(deletion(scene::object_frame(ObjectId(*object)))),
             Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
-                self.move_to(at, &scene::robot_frame(RobotId(*robot)), &scene::upright(*x_m, *y_m, *phi_rad));
+                self.place_robot(at, RobotId(*robot), [*x_m, *y_m, *phi_rad]);
             }
             Action::PlaceObject { object, x_m, y_m, phi_rad } => {
                 self.move_to(at, &scene::object_frame(ObjectId(*object)), &scene::upright(*x_m, *y_m, *phi_rad));
@@ -393,13 +404,15 @@ impl Sink for Mcap {
         let Record { time, robot, ref event, .. } = *record;
         match *event {
             Event::Pose { x_m, y_m, phi_rad, .. } | Event::Placed { x_m, y_m, phi_rad, .. } => {
-                let mut at = scene::upright(x_m, y_m, phi_rad);
-                at.position_m[2] = self.lifts.get(&robot).copied().unwrap_or(0.0);
-                self.move_to(time, &scene::robot_frame(robot), &at);
+                self.place_robot(time, robot, [x_m, y_m, phi_rad]);
             }
-            // A posture event precedes the pose event of its slot.
             Event::Posture { lift_m, joints_rad } => {
-                self.lifts.insert(robot, lift_m);
+                // If the robot also moves in the plane, its pose event follows and replaces this transform.
+                if let Some(place) = self.places.get_mut(&robot) {
+                    place.position_m[2] = lift_m;
+                    let place = *place;
+                    self.move_to(time, &scene::robot_frame(robot), &place);
+                }
                 let links = self.links.get(&robot).map_or(&[][..], |links| links);
                 let joints_rad: Vec<f64> = joints_rad.iter().collect();
                 self.changed_transforms.extend(scene::links(time, robot, links, &joints_rad));
@@ -468,7 +481,7 @@ mod tests {
     use crate::record::Sinks;
     use crate::record::frame::{Frame, Pixels};
     use crate::record::layer::Grid;
-    use sim_core::record::{ActionText, Journal, Recorder};
+    use sim_core::record::{ActionText, FloatList, Journal, Recorder};
 
     const SLOT: Time = Time::from_millis(50);
 
@@ -525,7 +538,7 @@ mod tests {
     }
 
     fn create(path: &Path, frames: &Arc<Frames>) -> Mcap {
-        let (robots, objects) = (vec![Pose::new(0.5, 0.25, 0.0)], vec![Pose::new(1.0, 1.0, 0.0)]);
+        let (robots, objects) = (vec![(Pose::new(0.5, 0.25, 0.0), 0.125)], vec![Pose::new(1.0, 1.0, 0.0)]);
         let frames = frames.clone();
         Mcap::create(path, InitialContents { seed: 42, slot: SLOT, scene: scene(), robots, objects, frames }).unwrap()
     }
@@ -697,7 +710,7 @@ mod tests {
 
         let changed_transforms = messages_of("/tf");
         assert_eq!((changed_transforms[0].2, changed_transforms[1].2), (0, 50_000_000));
-        assert_eq!(changed_transforms[0].3["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.0 }));
+        assert_eq!(changed_transforms[0].3["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.125 }));
         assert_eq!(changed_transforms[0].3["transforms"][1]["child_frame_id"], "robot/1/PSD_FRONT");
         let scan = messages_of("/robot/1/scan");
         assert_eq!((scan[0].2, &scan[0].3["ranges"]), (2_100_000, &json!([0.5, null])), "infinity is null in JSON");
@@ -720,6 +733,23 @@ mod tests {
         let index = summary.metadata_indexes.iter().find(|index| index.name == "end").unwrap();
         let end = mcap::read::metadata(&bytes, index).unwrap();
         assert_eq!(end.metadata["digest"], digest.to_string());
+    }
+
+    #[test]
+    fn robot_that_only_rises_is_shown_at_its_height() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let mut mcap = create(&path, &Arc::new(Frames::default().storing()));
+        let (mut recorder, mut sinks) = (Recorder::new(42, SLOT, KindSet::ALL), Sinks::one(&mut mcap));
+        let mut journal = Journal::new(RobotId(1), false);
+        journal.record(SLOT, &Event::Posture { lift_m: 0.75, joints_rad: FloatList::new(&[]) });
+        recorder.collect(&mut journal);
+        sinks.take_slot(&mut recorder, SLOT).unwrap();
+        sinks.finish(SLOT, recorder.digest()).unwrap();
+        let messages = messages(&std::fs::read(&path).unwrap(), true);
+        let (.., moved) = messages.iter().rfind(|(topic, ..)| topic == "/tf").unwrap();
+        assert_eq!(moved["transforms"][0]["child_frame_id"], "robot/1");
+        assert_eq!(moved["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.75 }));
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         seed: settings.seed,
         slot: settings.slot,
         scene: scene_input.scene(),
-        robots: scene.robots.iter().map(|robot| robot.start).collect(),
+        robots: scene.robots.iter().map(|robot| (robot.start, ready.start_height(robot.id))).collect(),
         objects: build::movable_objects(scene).map(|object| object.pose).collect(),
         frames: ready.frames().cloned().unwrap_or_default(),
     };
