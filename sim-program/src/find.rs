@@ -348,7 +348,8 @@ impl Finder<'_> {
             return Ok(source);
         }
         if path.file_name().is_some_and(|name| name == "Cargo.toml") {
-            return Ok(ProgramSource::Cargo(path.parent().unwrap_or(Path::new(".")).to_owned()));
+            // The folder of a sim file in the working folder is empty.
+            return Ok(ProgramSource::Cargo(tidy(path.parent().unwrap_or(Path::new("")))));
         }
         let head = read_head(path).map_err(|error| Some(format!("unreadable ({error})")))?;
         if Language::of(path).is_some() {
@@ -663,8 +664,15 @@ mod tests {
     fn a_folder_that_is_also_the_working_folder_is_listed_once() {
         let working_folder = std::env::current_dir().expect("the working folder");
         let search = SearchPath { sim_folder: Some(PathBuf::new()), working_folder, ..SearchPath::default() };
-        let message = find_program("gone.py", &search).expect_err("not found").to_string();
-        assert_eq!(message, "program `gone.py` is not found\n  tried `gone.py`");
+        let message = find_program("gone.c", &search).expect_err("not found").to_string();
+        assert_eq!(message, "program `gone.c` is not found\n  tried `gone.c`");
+    }
+
+    #[test]
+    fn package_in_the_working_folder_has_the_name_of_the_folder() {
+        // Tests run in the folder of their package.
+        let search = SearchPath { sim_folder: Some(PathBuf::new()), ..SearchPath::default() };
+        assert_eq!(find_program("Cargo.toml", &search).expect("a package").name, "sim-program");
     }
 
     #[test]
