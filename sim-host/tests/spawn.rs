@@ -142,6 +142,22 @@ fn a_spawned_robot_drives() {
 }
 
 #[test]
+fn checks_count_the_calls_of_a_spawned_robot() {
+    let suite = "[[check]]\nkind = \"calls\"\nfunction = \"VWInit\"\nmin = 2\nmax = 2\n";
+    let scene = room("robi bot.robi drive.c 500 500 0\n", &[("drive.c", DRIVE), ("all.suite.toml", suite)]);
+    let until = Some(Time::from_millis(10_000));
+    let checks = Some(scene.path().join("all.suite.toml"));
+    let opened = Scene::open(scene.path().join("scene.sim"), Options { until, checks, ..Options::default() });
+    let ready = opened.expect("a scene").load().unwrap_or_else(|error| panic!("{error}"));
+    let mut running = ready.start(Observers::default()).unwrap_or_else(|error| panic!("{error}"));
+    let at = Time::from_millis(2050);
+    running.scheduler.advance_to(at);
+    running.scheduler.act(at, &add_robot("bot", Some(1), 0.5, 1.5)).expect("a second robot");
+    running.scheduler.advance_to(Time::NEVER);
+    assert_eq!(running.finish().report.checks[0].message, "2 times");
+}
+
+#[test]
 fn sensors_detect_spawned_entities_but_not_removed_ones() {
     let scene = room("robi bot.robi look.c 500 2000 0\n", &[("look.c", LOOK)]);
     let ran = run(

@@ -273,6 +273,11 @@ impl CheckKind {
             Self::Metric { .. } | Self::Script { .. } => Vec::new(),
         }
     }
+
+    /// Returns true if the check counts calls of robot `id`, which may be spawned during the run.
+    pub fn counts_calls_of(&self, id: RobotId) -> bool {
+        matches!(self, Self::Calls { robot, .. } if robot.is_none_or(|robot| robot == id))
+    }
 }
 
 /// A robot or a movable object.

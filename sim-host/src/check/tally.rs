@@ -51,9 +51,7 @@ impl Tally {
 
     /// Returns true if a check counts calls of `id`.
     pub fn counts_calls_of(&self, id: RobotId) -> bool {
-        let is_counted =
-            |kind: &CheckKind| matches!(kind, CheckKind::Calls { robot, .. } if robot.is_none_or(|robot| robot == id));
-        self.checks.iter().any(|(_, kind, _)| is_counted(kind))
+        self.checks.iter().any(|(_, kind, _)| kind.counts_calls_of(id))
     }
 
     /// Count of the check at `index` of the scene.

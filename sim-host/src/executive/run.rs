@@ -142,6 +142,7 @@ impl Run {
         let bound_workers = parts.programs.iter().map(bound_worker).collect();
         let plan = Plan { has_program, bound_workers, workers: limits.workers, until: limits.until };
         let notifier = Arc::new(Notifier::new()?);
+        let has_verbose_robots = parts.robots.iter().any(|robot| robot.journal.is_verbose());
         let members = parts.robots.into_iter().zip(parts.programs);
         Ok(Arc::new_cyclic(|weak_self| Self {
             slot_start: AtomicI64::new(parts.world.slot_start().0),
@@ -162,7 +163,7 @@ impl Run {
             is_pausing: AtomicBool::new(false),
             is_verbose: limits.is_verbose,
             linger: limits.linger,
-            has_verbose_robots: AtomicBool::new(false),
+            has_verbose_robots: AtomicBool::new(has_verbose_robots),
             weak_self: Weak::clone(weak_self),
         }))
     }
@@ -198,6 +199,7 @@ impl Run {
 
     /// Adds a spawned robot, which has the next id.
     pub(super) fn admit(&self, member: Member) {
+        self.has_verbose_robots.fetch_or(member.robot().journal.is_verbose(), Ordering::Relaxed);
         self.members.push(Arc::new(member));
     }
 

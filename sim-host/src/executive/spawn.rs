@@ -195,6 +195,9 @@ impl Spawner {
         let is_for_robot = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
         let presses = self.options.keys.iter().filter(is_for_robot);
         presses.for_each(|press| state.devices.press(press.at, press.touch));
+        if self.scene.checks.iter().any(|check| check.kind.counts_calls_of(spec.id)) {
+            state.journal.set_verbose(true);
+        }
         let generation = program.and_then(|program| program.generation());
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };
         let mut robios = new_robios(&spec.robi).with_entity_numbers(Arc::clone(&self.entity_numbers));

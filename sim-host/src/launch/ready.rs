@@ -173,9 +173,6 @@ impl Ready {
             interrupt: interrupt.clone(),
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
-        if let Some(tally) = &tally {
-            record_calls(&tally.lock(), &scheduler);
-        }
         let sandbox = options.sandbox.as_ref().map(Sandbox::report);
         let judging = Judging { sandbox, tally, notes, events, interrupt, may_run: options.may_run_checks };
         Ok(Running { scheduler, settings, scene, scenery, inputs, judging })
@@ -190,13 +187,6 @@ impl Ready {
         running.scheduler.advance_to(Time::NEVER);
         Ok(running.finish())
     }
-}
-
-/// Turns on the recording of calls for the robots whose calls are counted by checks.
-fn record_calls(tally: &Tally, scheduler: &Scheduler) {
-    let run = scheduler.run();
-    let robots = (0..run.robot_count()).map(RobotId::from_index);
-    robots.filter(|id| tally.counts_calls_of(*id)).for_each(|id| run.set_verbose(id, true));
 }
 
 /// Arguments of `eyesim run` that repeat the run: everything that determines its results.
