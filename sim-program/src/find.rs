@@ -445,10 +445,10 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 }
 
 /// Paths of sources and libraries that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
-/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if `path` has an extension other than those of programs,
-/// libraries and object files.
+/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if `path` has an extension other than those of programs
+/// that are not in C or C++, libraries and object files.
 fn replacement_paths(path: &Path) -> Vec<PathBuf> {
-    const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
+    const REPLACED: [&str; 7] = ["dll", "exe", "x", "so", "py", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|extension| has_extension(path, extension));
     if !is_replaced || path.file_name().is_none() {
         return Vec::new();
@@ -739,7 +739,7 @@ mod tests {
     fn missing_library_is_replaced_by_its_source() {
         let test_folder =
             TestFolder::with(&[("sims/maze.c", b""), ("sims/wall/Cargo.toml", b""), ("sims/wall/src/lib.rs", b"")]);
-        for name in ["maze.dll", "maze.so", "maze.x", "maze.hex", "maze.o", "maze"] {
+        for name in ["maze.dll", "maze.so", "maze.x", "maze.py", "maze.hex", "maze.o", "maze"] {
             test_folder.check(name, &["sims/maze.c"]);
         }
         for name in ["wall.so", "wall.dll", "wall", "wall/", "wall/Cargo.toml"] {
