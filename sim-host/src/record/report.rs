@@ -162,7 +162,7 @@ pub struct RobotReport {
     pub pose: PlanarPose,
     /// Depth of the top of the hull below the surface of the water, m; none for a robot that is not in the water.
     pub depth_m: Option<f64>,
-    /// Pose by odometry, in the odometry frame; none if the robot never used odometry.
+    /// Pose by odometry, in the odometry frame; reports of runs have it also for programs without `VWInit`.
     pub odometry: Option<PlanarPose>,
     /// Length of the path of the axle's centre, m.
     #[serde(serialize_with = "finite")]
