@@ -158,9 +158,9 @@ impl Count {
         max.is_some_and(|max| self.number > max)
     }
 
-    /// Returns true if the minimum was reached only after `by`.
+    /// Returns true if the number is within the limits, but the minimum was reached only after `by`.
     pub fn is_late(&self, count: CountLimits, by: Option<Time>) -> bool {
-        let is_enough = count.min > 0 && self.number >= count.min;
+        let is_enough = count.min > 0 && count.contains(self.number);
         is_enough && by.zip(self.at).is_some_and(|(by, at)| at > by.seconds())
     }
 }

@@ -1,9 +1,13 @@
 use serde_json::json;
 use sim_core::RobotId;
-use sim_core::spec::ExpectedOutput;
+use sim_core::record::Kind;
+use sim_core::spec::{CheckKind, CountLimits, ExpectedOutput};
+use sim_core::time::Time;
 
 use super::metric::judge;
 use super::prints::Search;
+use super::tally::Count;
+use super::wording;
 
 /// Returns true if the search in these lines succeeds, and the explanation of its result.
 fn search(expected: &ExpectedOutput, lines: &str) -> (bool, String) {
@@ -52,6 +56,18 @@ fn numbers_have_a_tolerance() {
     assert!(search(&one, "about 0.4 m").0 && search(&one, "x=0.2").0 && !search(&one, "0.41").0);
     assert!(!search(&numbers(&[&[1.0]], 0.0), "nan inf x1 1e5 1.0.0").0);
     assert!(search(&numbers(&[&[-1e-3]], 0.0), "v=-1e-3.").0);
+}
+
+#[test]
+fn too_many_events_are_not_called_late() {
+    let by = Some(Time::from_millis(60_000));
+    let kind = |max| CheckKind::Event { robot: None, event: Kind::Beep, count: CountLimits { min: 1, max }, by };
+    // Beeps at 0 s and at 100 s.
+    let count = Count { number: 2, at: Some(100.0), ..Count::default() };
+    assert_eq!(wording::of_count(&kind(Some(1)), &count), "2 times, not 1 to 1 times, too often since 100.000 s");
+    let count = Count { number: 1, at: Some(100.0), ..Count::default() };
+    assert_eq!(wording::of_count(&kind(Some(1)), &count), "`beep` only at 100.000 s, not by 60 s");
+    assert!(!count.is_met(&kind(None)));
 }
 
 #[test]
