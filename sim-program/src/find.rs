@@ -467,7 +467,8 @@ fn replacement_paths(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The sources from which the `Makefile` beside the program `path` builds it, as in `maze.x: main.c map.o`; `None` if
-/// there is no such file or rule, or a source does not exist. Variables are replaced, patterns and functions are not.
+/// there is no such file or rule, the rule has functions, or a source does not exist. Variables are replaced, patterns
+/// are not. Prerequisites that are no sources, such as headers and the `Makefile` itself, are ignored.
 fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
     /// Larger files and rules are not written by hand.
     const MAX_BYTES: usize = 1 << 20;
@@ -500,8 +501,12 @@ fn sources_in_makefile(path: &Path) -> Option<Vec<PathBuf>> {
         let sources = if has_extension(&path, "o") { sources_of_name(&path.with_extension("")) } else { vec![path] };
         sources.into_iter().find(|path| Language::of(path).is_some() && path.is_file())
     };
-    let is_header = |name: &&str| other_language(Path::new(name)).is_none();
-    let files: Option<Vec<PathBuf>> = sources.split_whitespace().filter(is_header).map(source).collect();
+    // A `$` begins a function, whose sources are unknown.
+    let is_source = |name: &&str| {
+        let path = Path::new(name);
+        has_extension(path, "o") || Language::of(path).is_some() || name.contains('$')
+    };
+    let files: Option<Vec<PathBuf>> = sources.split_whitespace().filter(is_source).map(source).collect();
     files.filter(|files| !files.is_empty())
 }
 
@@ -699,7 +704,8 @@ mod tests {
 
     #[test]
     fn a_makefile_names_the_sources() {
-        let makefile = b"CC = gcc\nOBJS = main.o \\\n\tmap.o\nall: maze.x\nmaze.x: $(OBJS) map.h # all\n\t$(CC) -o $@ $^\ngone.x: gone.c\n";
+        let makefile = b"CC = gcc\nOBJS = main.o \\\n\tmap.o\nall: maze.x\nmaze.x: $(OBJS) map.h Makefile | build # all\n\t$(CC) -o $@ $^\ngone.x: main.c gone.c\n\
+                         many.x: $(wildcard *.c) main.c\n";
         let test_folder = TestFolder::with(&[
             ("sims/Makefile", makefile),
             ("sims/main.c", b""),
@@ -712,6 +718,7 @@ mod tests {
         assert!(test_folder.check("main.x", &["sims/main.c"]).notes.is_empty());
         test_folder.check("all.x", &["sims/all.c"]);
         test_folder.check_missing("gone.x");
+        test_folder.check_missing("many.x");
     }
 
     /// A shared library: the head of this test program without the segments that make it an executable.
