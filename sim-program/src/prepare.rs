@@ -125,15 +125,16 @@ fn without_entry(folder: &Path) -> String {
     )
 }
 
-/// Builds and reads each program of `found` once, in parallel. The results are in the order of `found`; programs from
-/// the same source share a result.
+/// Builds and reads each program of `found` once, in parallel. The results are in the order of `found`; programs of the
+/// same name and source share a result.
 ///
 /// # Errors
 /// [`PrepareError`] for each program separately.
 pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, Arc<PrepareError>>> {
     let mut distinct: Vec<&Found> = Vec::new();
+    let is_same = |known: &Found, program: &Found| (&known.name, &known.source) == (&program.name, &program.source);
     for program in found {
-        if distinct.iter().all(|known| known.source != program.source) {
+        if !distinct.iter().any(|known| is_same(known, program)) {
             distinct.push(program);
         }
     }
@@ -170,7 +171,7 @@ pub fn prepare(builder: &Builder, found: &[Found]) -> Vec<Result<Arc<Prepared>, 
             prepare().map(Arc::new).map_err(Arc::new)
         })
         .collect();
-    let place = |program: &Found| distinct.iter().position(|known| known.source == program.source);
+    let place = |program: &Found| distinct.iter().position(|known| is_same(known, program));
     found.iter().filter_map(|program| prepared.get(place(program)?).cloned()).collect()
 }
 

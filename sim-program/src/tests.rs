@@ -600,9 +600,12 @@ fn kit_of_robios_6_has_its_headers() {
     let text = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n#include \"hdt_sem.h\"\nint main(int argc, char **argv)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  printf(\"%s %d %d\\n\", argv[1], argc, vw);\n  exit(PSD_FRONT == -200 ? 3 : 4);\n}\n";
     let Some(test_folder) = TestFolder::with(&[("a.c", text)]) else { return };
     let builder = Builder::new(test_folder.cache(), Kits::of_robios(), Tools::default());
-    let source = test_folder.sources(&["a.c"]);
-    let found = [Found { name: "a".into(), source, notes: Vec::new() }];
-    let prepared = prepare(&builder, &found).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
+    // The same source under two names, as by its file and by its folder.
+    let found =
+        ["b", "a"].map(|name| Found { name: name.into(), source: test_folder.sources(&["a.c"]), notes: vec![] });
+    let mut all = prepare(&builder, &found).into_iter().map(|result| result.unwrap_or_else(|error| panic!("{error}")));
+    assert_eq!(all.next().map(|prepared| prepared.name.clone()), Some("b".into()));
+    let prepared = all.next().expect("a result");
     assert_eq!((prepared.output.as_str(), prepared.name.as_str()), ("", "a"));
     // No function that the shim itself uses is outside the guarantee.
     assert_eq!(prepared.warnings, Vec::<String>::new());
