@@ -3,6 +3,8 @@
 use std::io::{self, PipeReader, Read as _, Write as _};
 use std::thread::{self, JoinHandle};
 
+use crate::record::log::is_terminal_control;
+
 /// Maximum number of bytes of this output that are shown per process; our choice.
 const MAX_BYTES: usize = 1 << 20;
 
@@ -16,18 +18,26 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<JoinHandle<()>> {
     let copy = move || {
         let mut remaining = MAX_BYTES;
         let mut buffer = [0; 1 << 14];
+        // Bytes at the beginning of the buffer that are not printed yet: a character without its end.
+        let mut kept = 0;
         loop {
-            let count = match pipe.read(&mut buffer) {
-                Ok(0) => return,
-                Ok(count) => count,
+            let count = match pipe.read(&mut buffer[kept..]) {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-                Err(_) => return,
+                Ok(count) => count,
+                Err(_) => 0,
             };
-            let printed = count.min(remaining);
+            let len = kept + count;
+            kept = if count == 0 { 0 } else { incomplete_len(&buffer[..len]) };
+            let complete = len - kept;
+            let printed = complete.min(remaining);
             remaining -= printed;
             // If standard error is closed, the output is dropped.
-            let _ = io::stderr().write_all(printable(&mut buffer[..printed]));
-            if printed < count && printed > 0 {
+            let _ = io::stderr().write_all(printable(&buffer[..printed]).as_bytes());
+            buffer.copy_within(complete..len, 0);
+            if count == 0 {
+                return;
+            }
+            if printed < complete && printed > 0 {
                 let _ = writeln!(
                     io::stderr(),
                     "\n... a program has printed more than {} kB past the simulator",
@@ -39,11 +49,17 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<JoinHandle<()>> {
     thread::Builder::new().name("output".to_owned()).spawn(copy)
 }
 
-/// Replaces control characters other than line feed and tab by `?`.
-fn printable(bytes: &mut [u8]) -> &[u8] {
-    let is_control = |byte: &u8| byte.is_ascii_control() && !matches!(byte, b'\n' | b'\t');
-    bytes.iter_mut().filter(|byte| is_control(byte)).for_each(|byte| *byte = b'?');
-    bytes
+/// The text in `bytes`, with `?` for each control character other than line feed and tab.
+fn printable(bytes: &[u8]) -> String {
+    let shown = |c| if is_terminal_control(c) && !matches!(c, '\n' | '\t') { '?' } else { c };
+    String::from_utf8_lossy(bytes).chars().map(shown).collect()
+}
+
+/// Number of bytes at the end of `bytes` that begin a character of UTF-8 without its end.
+fn incomplete_len(bytes: &[u8]) -> usize {
+    let end = bytes.utf8_chunks().last().map_or(&[][..], |chunk| chunk.invalid());
+    let is_incomplete = std::str::from_utf8(end).is_err_and(|error| error.error_len().is_none());
+    if is_incomplete { end.len() } else { 0 }
 }
 
 #[cfg(test)]
@@ -52,7 +68,15 @@ mod tests {
 
     #[test]
     fn escape_sequences_are_removed() {
-        let mut bytes = *b"a\x1b[2J\tb\r\n";
-        assert_eq!(printable(&mut bytes), b"a?[2J\tb?\n");
+        assert_eq!(printable(b"a\x1b[2J\tb\r\n"), "a?[2J\tb?\n");
+        assert_eq!(printable("ä\u{9b}2J\u{202e}".as_bytes()), "ä?2J?");
+        assert_eq!(printable(b"\x9b2J"), "\u{fffd}2J");
+    }
+
+    #[test]
+    fn character_in_two_parts_is_kept_until_its_end() {
+        let euro = "€".as_bytes();
+        assert_eq!([1, 2, 3].map(|len| incomplete_len(&euro[..len])), [1, 2, 0]);
+        assert_eq!([&b"a\xC2"[..], b"a\x9b", b"a\xFF", b""].map(incomplete_len), [1, 0, 0, 0]);
     }
 }
