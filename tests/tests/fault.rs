@@ -52,6 +52,9 @@ fn a_missing_argument_is_named_with_the_option_that_gives_it() {
     let (report, ..) = run(program, &["--exec", "process", "--args", "2:7"]);
     let words = "`argv[2]` is NULL, since the program has only 1 argument: `--args 2:\"VALUE VALUE\"` gives it 2";
     assert!(reason(&report).ends_with(words), "{}", reason(&report));
+    let (report, ..) = run(&program.replace("argv[2]", "argv[4]"), &["--exec", "fiber", "--args", "2:7 8 9"]);
+    let words = "only 3 arguments: `--args 2:\"VALUE VALUE VALUE VALUE\"` gives it 4";
+    assert!(reason(&report).ends_with(words), "{}", reason(&report));
     let scratch = Scratch::new();
     scratch.write("b.cpp", "#include <string>\nint main(int argc, char **argv)\n{\n  std::string name = argv[1];\n  return name.size();\n}\n");
     scratch.write("scene.sim", "S4 500 500 0 b.cpp\n");

@@ -315,7 +315,10 @@ fn missing_argument(line: &str, robot: &Robot, program: &RobotProgram) -> Option
         1 => "only 1 argument".to_owned(),
         count => format!("only {count} arguments"),
     };
-    let words = ["VALUE"; 3][..index.min(3)].join(" ");
+    let words = match index {
+        1..=9 => vec!["VALUE"; index].join(" "),
+        _ => "VALUE ... VALUE".to_owned(),
+    };
     let (quote, number) = if index > 1 { ("\"", index.to_string()) } else { ("", "one".to_owned()) };
     Some(format!(
         "; `argv[{index}]` is NULL, since the program has {arguments}: `--args {}:{quote}{words}{quote}` gives it {number}",
