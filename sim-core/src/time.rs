@@ -32,9 +32,9 @@ impl Time {
     /// The first whole microsecond not before `seconds`; [`Time::NEVER`] for an instant out of range, 0 for NaN.
     pub fn from_seconds_ceil(seconds: f64) -> Self {
         // `as` saturates and maps NaN to 0.
-        let micros = (seconds * 1e6).ceil() as i64;
+        let micros = (seconds * 1e6).floor() as i64;
         let mut time = Self(micros);
-        // Rounding may put the product just below the true value.
+        // The product may be rounded up or down, so only the exact comparison decides.
         while time < Self::NEVER && time.seconds() < seconds {
             time.0 += 1;
         }
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn from_seconds_ceil_is_never_early() {
-        for micros in [0, 1, 3, 7, 1_000_001, 123_456_789_012] {
+        for micros in [0, 1, 3, 7, 1_000_001, 4_150_000, 8_300_000, 16_100_000, 123_456_789_012] {
             let exact = Time(micros);
             assert_eq!(Time::from_seconds_ceil(exact.seconds()), exact);
             assert_eq!(Time::from_seconds_ceil(exact.seconds() + 3e-7), Time(micros + 1));
