@@ -56,12 +56,12 @@ class Readings(NamedTuple):
 
 @dataclass(frozen=True)
 class Limits:
-    """Maximum speeds of the robots."""
+    """Maximum speeds of n robots."""
 
-    speed: float
-    """m/s"""
-    turn: float
-    """rad/s"""
+    speed: Floats
+    """m/s, n."""
+    turn: Floats
+    """rad/s, n."""
 
 
 def relative_ranges(readings: Readings) -> Observations:
@@ -72,7 +72,7 @@ def relative_ranges(readings: Readings) -> Observations:
 
 def relative_twist(actions: npt.NDArray[Any], limits: Limits) -> Floats:
     """Speed and turning speed from fractions of the maximum ones, -1 to 1; values beyond are clipped."""
-    return cast(Floats, np.minimum(np.maximum(actions, -1.0), 1.0) * (limits.speed, limits.turn))
+    return cast(Floats, np.minimum(np.maximum(actions, -1.0), 1.0) * np.column_stack((limits.speed, limits.turn)))
 
 
 def no_reward(readings: Readings, actions: npt.NDArray[Any]) -> Floats:
@@ -129,7 +129,7 @@ class Rows:
         native = self.simulation._native
         self.batch = _native.Batch(native, count, list(task.starts), task.jitter, threads)
         self.robots, sensors = self.batch.shape
-        self.limits = Limits(*native.limits(1))
+        self.limits = Limits(*np.tile([native.limits(number) for number in range(1, self.robots + 1)], (count, 1)).T)
         self._reach = np.tile(np.array(self.batch.reach()).reshape(self.robots, sensors), (count, 1))
         self._still = np.zeros((count * self.robots, 2))
         self._drive = np.zeros(count, np.uint8)

@@ -53,6 +53,16 @@ def test_pettingzoo_accepts_it():
     assert not np.array_equal(first["robot_1"], other["robot_1"])
 
 
+def test_each_robot_has_its_own_limits():
+    scene = PAIR.replace("%sim%/robis/ring.robi", "S4", 1)
+    speeds = [robot.max_speed for robot in eyesim.load(scene).robots]
+    assert speeds[0] != speeds[1]
+    env = eyesim.pettingzoo.ParallelEnv(scene, observe=lambda readings: readings.speed[:, None])
+    env.reset(seed=1)
+    observations = env.step({agent: np.array([1.0, 0.0], np.float32) for agent in env.agents})[0]
+    assert [observations[agent][0] for agent in env.agents] == pytest.approx(speeds)
+
+
 def episodes(vector, seed, steps):
     """Observations, rewards and ends of all steps."""
     rows = [vector.reset(seed=seed)[0]]
