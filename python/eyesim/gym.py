@@ -14,6 +14,7 @@ An environment of n simulations calls the functions of its `Task` with arrays of
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -148,10 +149,15 @@ class Rows:
         """Seeds all simulations: the first with `seed`, the next with `seed + 1` and so on, or each with a given seed."""
         if seed is None:
             return
-        seeds = [seed + index for index in range(self.count)] if isinstance(seed, int) else list(seed)
+        if not isinstance(seed, (Sequence, np.ndarray)):
+            first = operator.index(seed)
+            seed = [first + index for index in range(self.count)]
+        seeds = [own if own is None else operator.index(own) for own in seed]
+        if len(seeds) != self.count:
+            raise ValueError(f"{len(seeds)} seeds for {self.count} simulations: expected one for each")
         for index, own in enumerate(seeds):
             if own is not None:
-                self.batch.seed(index, int(own) % 2**64)
+                self.batch.seed(index, own % 2**64)
 
     def begin(self, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
         """Begins new episodes in the marked simulations, by default in all; other simulations do not change."""

@@ -63,6 +63,17 @@ def test_each_robot_has_its_own_limits():
     assert [observations[agent][0] for agent in env.agents] == pytest.approx(speeds)
 
 
+def test_seeds_are_whole_numbers_one_for_each_environment():
+    vector = eyesim.gym.VectorEnv(WALL, 3)
+    first = vector.reset(seed=np.int64(5))[0]
+    assert np.array_equal(first, vector.reset(seed=[5, 6, 7])[0])
+    with pytest.raises(ValueError, match="2 seeds for 3 simulations"):
+        vector.reset(seed=[1, 2])
+    for seed in (1.5, "7", [1, 2, 3.5]):
+        with pytest.raises(TypeError):
+            vector.reset(seed=seed)
+
+
 def episodes(vector, seed, steps):
     """Observations, rewards and ends of all steps."""
     rows = [vector.reset(seed=seed)[0]]
