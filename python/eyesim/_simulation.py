@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._errors import Error
 
 if TYPE_CHECKING:
     from ._run import Run
@@ -53,7 +55,25 @@ def source(scene: str | os.PathLike[str]) -> tuple[str, str | None]:
 
 def settings_of(values: dict[str, Any] | None) -> list[str]:
     """Values of a TOML scene in the format of the command line."""
-    return [f"{path}={json.dumps(value)}" for path, value in (values or {}).items()]
+    return [f"{path}={_toml(value)}" for path, value in (values or {}).items()]
+
+
+def _toml(value: Any) -> str:
+    """A value as TOML."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, str):
+        # The escapes of JSON are valid in TOML, but JSON does not escape this control character.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_toml, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{_toml(str(key))} = {_toml(item)}' for key, item in value.items())}}}"
+    raise Error(f"set: {value!r} is not a value of TOML; expected a number, a text, a truth value, a list or a dict of these")
 
 
 def load(

@@ -154,6 +154,14 @@ def test_it_is_shown_as_a_picture():
 def test_settings_change_the_scene():
     sim = eyesim.load(ROOM, set={"robot[0].x_mm": 500})
     assert sim.robot().pose.x == 0.5
+    wall = {"from_mm": (0, np.int64(0)), "to_mm": np.array([0.0, 3e3])}
+    sim = eyesim.load(ROOM, set={"world.wall": [wall], "robot[0].heading_deg": np.float64(180.0)})
+    assert np.nanmin(sim.robot().ranges()) < 1.0
+    for text in ('"\\', "\n\x7f\t", "a \U0001f916"):
+        with pytest.raises(eyesim.SceneError):
+            eyesim.load(ROOM, set={"world.file": text})
+    with pytest.raises(eyesim.Error, match="set: None is not a value of TOML"):
+        eyesim.load(ROOM, set={"robot[0].x_mm": None})
 
 
 def test_a_simulation_is_copied_by_snapshot_alone():
