@@ -150,12 +150,17 @@ class Simulation:
         return {"now": self.now, "robots": [robot.observe() for robot in self.robots], "objects": self.objects}
 
     def snapshot(self) -> Simulation:
-        """A copy of the whole state."""
-        return Simulation(self._native.snapshot(), self._opened)
+        """A copy of the whole state, with the robots' programs."""
+        copy = Simulation(self._native.snapshot(), self._opened)
+        copy._programs = dict(self._programs)
+        return copy
 
     def restore(self, snapshot: Simulation) -> None:
-        """Restores the state of `snapshot`, which does not change."""
+        """Restores the state of `snapshot`, with its robots' programs; `snapshot` does not change."""
+        if snapshot is self:
+            return
         self._native.restore(snapshot._native)
+        self._opened, self._programs = snapshot._opened, dict(snapshot._programs)
 
     def run(self, **options: Any) -> Run:
         """Runs the scene from its beginning with the robots' programs, as `eyesim.run` does with these options.

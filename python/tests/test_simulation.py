@@ -67,6 +67,22 @@ def test_a_copy_continues_as_its_original():
     assert digests[0] == digests[1]
     assert sim.now == snapshot.now == 1.0
     assert eyesim.load(ROOM, seed=4, noise="real").digest != sim.digest
+    sim.restore(sim)
+    assert sim.now == 1.0
+
+
+def test_a_copy_has_the_scene_and_the_programs():
+    def program():
+        pass
+
+    sim = eyesim.load(ROOM)
+    sim.robot().program(program)
+    sim.step(1.0)
+    assert sim.snapshot().run().report["robots"][0]["program"] == "program()"
+    other = eyesim.load(ROOM.replace("[[robot]]", "[[robot]]\nname = 'other'"))
+    other.restore(sim)
+    sim.robot().program("no.c")
+    assert other.run().report["robots"][0]["program"] == "program()"
 
 
 def test_interventions_are_recorded_and_refused_with_a_reason():
