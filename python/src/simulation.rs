@@ -15,7 +15,7 @@ use sim_core::pose::{Pose, Twist};
 use sim_core::record::Action;
 use sim_core::sensor::RangeModel;
 use sim_core::simulation::{self, Options};
-use sim_core::spec::SceneSpec;
+use sim_core::spec::{ObjectSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_format::{MeshReader, Setting as SceneSetting};
@@ -259,15 +259,20 @@ impl Simulation {
         Ok(self.value.with_robot(id, |robot, _| robot.motion.is_drive_done(now)))
     }
 
-    /// The scene from above as SVG, with the robots at their current poses.
+    /// The scene from above as SVG, with the robots and objects that are present, at their current poses.
     fn svg(&mut self, py: Python<'_>) -> PyResult<String> {
         let mut scene = SceneSpec::clone(&self.scene);
         let now = self.value.now();
+        scene.robots = self.value.roster().robots().to_vec();
+        scene.robots.retain(|robot| !self.value.robot(robot.id).is_removed);
         scene.robots.iter_mut().for_each(|robot| robot.start = self.value.pose(robot.id));
-        let movable = scene.objects.iter_mut().filter(|object| !object.kind.is_fixed);
-        for (id, object) in (1..).map(ObjectId).zip(movable) {
-            object.pose = self.value.world().object_pose(id, now);
-        }
+        let world = self.value.world();
+        let movable = (1..).map(ObjectId).zip(self.value.roster().objects());
+        let present = movable.filter(|(id, _)| world.is_object_present(*id, now));
+        scene.objects.retain(|object| object.kind.is_fixed);
+        scene
+            .objects
+            .extend(present.map(|(id, object)| ObjectSpec { pose: world.object_pose(id, now), ..object.clone() }));
         let drawn = py.detach(|| {
             let files = DiskFiles::of_environment();
             PictureKind::Svg.render(&draw_scene(&scene, &mut MeshReader::new(&files)), None)

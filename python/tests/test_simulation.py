@@ -165,6 +165,11 @@ def test_it_is_shown_as_a_picture():
     before = sim.svg()
     sim.act("place_robot", robot=1, x_m=2.0, y_m=1.0, phi_rad=0.5)
     assert sim.svg() != before
+    start = sim.svg()
+    sim.act("add_robot", kind="S4", x_m=3.0, y_m=2.0, phi_rad=0.0)
+    added = sim.svg()
+    sim.act("remove_robot", robot=2)
+    assert added != start and sim.svg() == start
 
 
 def test_settings_change_the_scene():
