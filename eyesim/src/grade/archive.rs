@@ -214,7 +214,7 @@ impl<'w> Reader<'w> {
             Some(_) if nested == MAX_NESTED => Err(ArchiveError::Depth(printable(name))),
             Some((stem, kind)) => self.open(name, stem, kind, bytes, nested + 1),
             None if (self.is_wanted)(name) => {
-                self.contents.files.insert(name.to_owned(), bytes);
+                self.add(name, bytes);
                 Ok(())
             }
             None if stem_of_unsupported_archive(name).is_some() => {
@@ -222,6 +222,16 @@ impl<'w> Reader<'w> {
                 Ok(())
             }
             None => Ok(()),
+        }
+    }
+
+    /// Adds a file. Another version of a file gets a folder of its own, so that none is lost.
+    fn add(&mut self, name: &str, bytes: Vec<u8>) {
+        let files = &mut self.contents.files;
+        let versions = (2..).map(|version| format!("version {version}/{name}"));
+        let is_free = |path: &String| files.get(path).is_none_or(|other| *other == bytes);
+        if let Some(path) = std::iter::once(name.to_owned()).chain(versions).find(is_free) {
+            files.insert(path, bytes);
         }
     }
 
@@ -464,6 +474,16 @@ mod tests {
         assert_eq!(paths(&contents), ["z/b.c", "z/y/x/lab/a.c", "z/y/x/lab/map.h"]);
         assert!(contents.notes[0].contains("old.rar"), "{contents:?}");
         assert_eq!(read("x.zip", zip_of(&[])).expect("nothing"), Contents::default());
+    }
+
+    #[test]
+    fn versions_of_a_file_are_kept() {
+        let is_wanted = |path: &str| path.ends_with(".c");
+        let mut reader = Reader::new(&is_wanted);
+        for text in ["1", "2", "1", "3", "2"] {
+            reader.read_file("lab.zip", zip_of(&[("a.c", text.as_bytes())]), 0).expect("files");
+        }
+        assert_eq!(paths(&reader.into_contents()), ["lab/a.c", "version 2/lab/a.c", "version 3/lab/a.c"]);
     }
 
     #[test]

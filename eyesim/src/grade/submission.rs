@@ -28,10 +28,19 @@ pub struct Submissions {
 }
 
 /// Part of a submission.
-enum SubmissionPart {
-    /// A file or folder of the disk, with the name under which its files appear.
-    Disk(PathBuf, String),
-    /// Files of an archive with all submissions.
+struct SubmissionPart {
+    /// Name under which its files appear.
+    name: String,
+    /// The same without the number of an attempt.
+    short_name: String,
+    source: PartSource,
+}
+
+/// Place of the files of a part.
+enum PartSource {
+    /// A file or folder of the disk.
+    Disk(PathBuf),
+    /// Files of an archive with all submissions, below a folder or file with the name of the part in the archive.
     Files(BTreeMap<String, Vec<u8>>),
 }
 
@@ -43,30 +52,26 @@ enum SubmissionPart {
 pub fn read_all(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
     let mut groups: BTreeMap<String, (String, Vec<SubmissionPart>)> = BTreeMap::new();
     let mut ignored = Vec::new();
-    let mut add = |entry: FolderEntry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, is_wanted) {
-        Some(Owner { key, name, file }) => groups.entry(key).or_insert((name, Vec::new())).1.push(part(&file)),
+    let mut add = |entry: FolderEntry, source: PartSource| match owner(&entry, is_wanted) {
+        Some(Owner { key, name, file, short_file }) => {
+            let part = SubmissionPart { name: file, short_name: short_file, source };
+            groups.entry(key).or_insert((name, Vec::new())).1.push(part);
+        }
         None if is_junk(&entry.name) => {}
         None => ignored.push(entry.name),
     };
     if path.is_dir() {
         let error = |error| ArchiveError::Io { name: path.display().to_string(), error };
-        for entry in fs::read_dir(path).map_err(error)? {
-            let entry = entry.map_err(error)?;
+        let mut entries = fs::read_dir(path).map_err(error)?.collect::<Result<Vec<_>, _>>().map_err(error)?;
+        entries.sort_by_key(fs::DirEntry::file_name);
+        for entry in entries {
             let kind = entry.file_type().map_err(error)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            add(FolderEntry { name, is_folder: kind.is_dir() }, &mut |file| {
-                SubmissionPart::Disk(entry.path(), file.to_owned())
-            });
+            add(FolderEntry { name, is_folder: kind.is_dir() }, PartSource::Disk(entry.path()));
         }
     } else {
-        for (name, (is_folder, mut files)) in entries_of_archive(path, is_wanted)? {
-            add(FolderEntry { name, is_folder }, &mut |file| {
-                let renamed = |(path, bytes): (String, Vec<u8>)| match path.split_once('/') {
-                    Some((_, rest)) => (format!("{file}/{rest}"), bytes),
-                    None => (file.to_owned(), bytes),
-                };
-                SubmissionPart::Files(std::mem::take(&mut files).into_iter().map(renamed).collect())
-            });
+        for (name, (is_folder, files)) in entries_of_archive(path, is_wanted)? {
+            add(FolderEntry { name, is_folder }, PartSource::Files(files));
         }
     }
     ignored.sort();
@@ -85,30 +90,33 @@ pub fn read_all(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Submiss
 /// Reads one submission: the file, archive or folder `path` as a whole.
 pub fn read_one(path: &Path, name: &str, is_wanted: &dyn Fn(&str) -> bool) -> Submission {
     let file = if path.is_dir() { String::new() } else { name_of(path) };
-    let contents = read_parts(vec![SubmissionPart::Disk(path.to_owned(), file)], is_wanted);
+    let source = PartSource::Disk(path.to_owned());
+    let contents = read_parts(vec![SubmissionPart { name: file.clone(), short_name: file, source }], is_wanted);
     Submission { name: name.to_owned(), folder: folder_name(name), contents }
 }
 
 fn read_parts(mut parts: Vec<SubmissionPart>, is_wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
-    parts.sort_by(|a, b| part_name(a).cmp(part_name(b)));
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    parts.iter().for_each(|part| *counts.entry(part.short_name.clone()).or_default() += 1);
+    for part in &mut parts {
+        // Files that only their numbers distinguish are not attempts at one file.
+        if counts[&part.short_name] == 1 {
+            part.name.clone_from(&part.short_name);
+        }
+    }
+    parts.sort_by(|a, b| a.name.cmp(&b.name));
     let mut reader = Reader::new(is_wanted);
-    for part in parts {
-        let read = match part {
-            SubmissionPart::Disk(path, name) => reader.read_path(&path, &name),
-            SubmissionPart::Files(files) => {
-                files.into_iter().try_for_each(|(name, bytes)| reader.read_file(&name, bytes, 0))
-            }
+    for SubmissionPart { name, source, .. } in parts {
+        let read = match source {
+            PartSource::Disk(path) => reader.read_path(&path, &name),
+            PartSource::Files(files) => files.into_iter().try_for_each(|(path, bytes)| {
+                let path = path.split_once('/').map_or(name.clone(), |(_, rest)| format!("{name}/{rest}"));
+                reader.read_file(&path, bytes, 0)
+            }),
         };
         read.map_err(|error| format!("the submission is refused: {error}"))?;
     }
     Ok(without_common_folders(reader.into_contents()))
-}
-
-fn part_name(part: &SubmissionPart) -> &str {
-    match part {
-        SubmissionPart::Disk(_, name) => name,
-        SubmissionPart::Files(files) => files.keys().next().map_or("", String::as_str),
-    }
 }
 
 /// Entries of an archive by their names: whether each is a folder, and its files by their paths.
@@ -172,45 +180,61 @@ struct Owner {
     name: String,
     /// Name of the entry without its owner's name.
     file: String,
+    /// The same without the number of an attempt.
+    short_file: String,
 }
 
-/// Owner of an entry, by the naming schemes of learning systems; `None` for a file that is not a submission.
+impl Owner {
+    fn new(key: &str, name: &str, file: &str) -> Self {
+        Self { key: key.to_owned(), name: name.trim().to_owned(), file: file.to_owned(), short_file: file.to_owned() }
+    }
+}
+
+/// Owner of an entry whose name is by the scheme of a learning system.
 ///
 /// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas
 /// (`name_LATE_123_456_file.c`, `file-1.c` for a second attempt) and Blackboard
 /// (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
+fn owner_by_system(entry: &FolderEntry) -> Option<Owner> {
+    let name = entry.name.as_str();
+    if let Some((student, rest)) = name.split_once("_assignsubmission_") {
+        let student_name = student.rsplit_once('_').filter(|(_, id)| is_number(id)).map_or(student, |(name, _)| name);
+        let file = rest.split_once('_').map_or("", |(_, file)| file);
+        return Some(Owner::new(student, student_name, file));
+    }
+    if entry.is_folder {
+        return None;
+    }
+    let words: Vec<&str> = name.split('_').collect();
+    if let [student, rest @ ..] = words.as_slice() {
+        let rest = if rest.first() == Some(&"LATE") { &rest[1..] } else { rest };
+        if let [user, submission, file @ ..] = rest
+            && is_number(user)
+            && is_number(submission)
+            && !file.is_empty()
+        {
+            let file = file.join("_");
+            let owner = Owner::new(&format!("{student}_{user}"), student, &file);
+            return Some(Owner { short_file: without_attempt(&file), ..owner });
+        }
+    }
+    let (before, after) = name.split_once("_attempt_")?;
+    let user = before.rsplit('_').next().unwrap_or(before);
+    let file = after.split_once('_').map_or("", |(_, file)| file);
+    Some(Owner::new(user, user, file))
+}
+
+/// Owner of an entry; `None` for a file that is not a submission.
 fn owner(entry: &FolderEntry, is_wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
     let name = entry.name.as_str();
     if is_junk(name) || name.starts_with('.') {
         return None;
     }
+    if let Some(owner) = owner_by_system(entry) {
+        return Some(owner);
+    }
     let is_archive = !entry.is_folder && stem_of_archive(name).is_some();
-    let found = |key: &str, name: &str, file: &str| {
-        Some(Owner { key: key.to_owned(), name: name.trim().to_owned(), file: file.to_owned() })
-    };
-    if let Some((student, rest)) = name.split_once("_assignsubmission_") {
-        let student_name = student.rsplit_once('_').filter(|(_, id)| is_number(id)).map_or(student, |(name, _)| name);
-        let file = rest.split_once('_').map_or("", |(_, file)| file);
-        return found(student, student_name, file);
-    }
-    if !entry.is_folder {
-        let words: Vec<&str> = name.split('_').collect();
-        if let [student, rest @ ..] = words.as_slice() {
-            let rest = if rest.first() == Some(&"LATE") { &rest[1..] } else { rest };
-            if let [user, submission, file @ ..] = rest
-                && is_number(user)
-                && is_number(submission)
-                && !file.is_empty()
-            {
-                return found(&format!("{student}_{user}"), student, &without_attempt(&file.join("_")));
-            }
-        }
-        if let Some((before, after)) = name.split_once("_attempt_") {
-            let user = before.rsplit('_').next().unwrap_or(before);
-            let file = after.split_once('_').map_or("", |(_, file)| file);
-            return found(user, user, file);
-        }
-    }
+    let found = |key: &str, name: &str, file: &str| Some(Owner::new(key, name, file));
     if entry.is_folder {
         return found(&format!("{name}/"), name, "");
     }
@@ -272,7 +296,7 @@ mod tests {
     fn check(entry: &str, is_folder: bool, expected: Option<(&str, &str, &str)>) {
         let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
         let found = owner(&FolderEntry { name: entry.to_owned(), is_folder }, &is_wanted);
-        let found = found.as_ref().map(|owner| (owner.key.as_str(), owner.name.as_str(), owner.file.as_str()));
+        let found = found.as_ref().map(|owner| (owner.key.as_str(), owner.name.as_str(), owner.short_file.as_str()));
         assert_eq!(found, expected, "{entry}");
     }
 
@@ -338,6 +362,10 @@ mod tests {
             "Zoë_2_assignsubmission_file_/a.c",
             "bob_1_2_a.c",
             "bob_1_3_map-1.h",
+            "bob_1_4_part-1.c",
+            "bob_1_5_part-2.c",
+            "Lab_u1_attempt_2024-03-01-12-00-00_a.c",
+            "Lab_u1_attempt_2024-03-02-12-00-00_a.c",
             "single.c",
             "notes.txt",
         ] {
@@ -358,9 +386,10 @@ mod tests {
         assert_eq!(
             list,
             [
-                ("bob", "bob", vec!["a.c", "map.h"]),
+                ("bob", "bob", vec!["a.c", "map.h", "part-1.c", "part-2.c"]),
                 ("link", "link", vec![]),
                 ("single", "single", vec!["single.c"]),
+                ("u1", "u1", vec!["a.c", "version 2/a.c"]),
                 ("Zoë", "Zoë", vec!["a.c"]),
                 ("Zoë", "Zoë-2", vec!["a.c"]),
             ]
