@@ -151,6 +151,13 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     for name in ignored {
         say(format_args!("warning: `{}` is not a submission", Printable(&name)));
     }
+    if let ([only], false, true) = (&submissions[..], args.single, folder.is_file()) {
+        say(format_args!(
+            "warning: `{}` has only one submission, `{}`: expected a folder, archive or file for each student",
+            folder.display(),
+            Printable(&only.name)
+        ));
+    }
     let output_dir = args.output.as_deref().map(prepare).transpose()?;
     let students = grade(args, &mut grader, submissions, output_dir.as_deref())?;
     let Some(students) = students else { return Ok(ExitCode::from(EXIT_INTERRUPTED)) };

@@ -133,23 +133,11 @@ fn entries_of_archive(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<E
         reader.into_contents().files.into_iter().filter_map(without_archive).collect();
     files.retain(|(path, _)| path != ".");
     // A folder around all submissions is not a submission itself.
-    loop {
-        let top_folders: std::collections::BTreeSet<&str> =
-            files.iter().filter_map(|(path, _)| path.split_once('/').map(|(first, _)| first)).collect();
-        let is_common_folder = top_folders.len() == 1
-            && files.iter().all(|(path, _)| {
-                let rest = path.split_once('/').map_or("", |(_, rest)| rest);
-                rest == "."
-                    || rest.contains('/')
-                    || stem_of_archive(rest).is_some()
-                    || rest.contains("_assignsubmission_")
-            });
-        if !is_common_folder || files.is_empty() {
-            break;
-        }
+    while let Some(folder) = common_folder(files.iter().map(|(path, _)| path.as_str()), is_wanted) {
+        let skip = folder.len() + 1;
         for (path, _) in &mut files {
-            if let Some((_, rest)) = path.split_once('/') {
-                *path = rest.to_owned();
+            if path.contains('/') {
+                path.drain(..skip);
             }
         }
         files.retain(|(path, _)| path != ".");
@@ -160,6 +148,33 @@ fn entries_of_archive(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<E
         entry.1.insert(path.clone(), bytes);
     }
     Ok(entries)
+}
+
+/// The only folder of an archive with these paths, if all submissions are in it. Files without an owner do not matter.
+fn common_folder<'p>(paths: impl Iterator<Item = &'p str>, is_wanted: &dyn Fn(&str) -> bool) -> Option<String> {
+    let file = |name: &str| FolderEntry { name: name.to_owned(), is_folder: false };
+    let mut common = None;
+    for path in paths {
+        let Some((folder, rest)) = path.split_once('/') else {
+            if owner(&file(path), is_wanted).is_some() {
+                return None;
+            }
+            continue;
+        };
+        let is_submission =
+            rest.contains('/') || stem_of_archive(rest).is_some() || owner_by_system(&file(rest)).is_some();
+        if !is_submission && owner(&file(rest), is_wanted).is_some() {
+            return None;
+        }
+        let (known, has_submission) = common.get_or_insert((folder, false));
+        if *known != folder {
+            return None;
+        }
+        *has_submission |= is_submission;
+    }
+    let (folder, has_submission) = common?;
+    let is_of_student = owner_by_system(&FolderEntry { name: folder.to_owned(), is_folder: true }).is_some();
+    (has_submission && !is_of_student).then(|| folder.to_owned())
 }
 
 fn name_of(path: &Path) -> String {
@@ -395,5 +410,22 @@ mod tests {
             ]
         );
         assert_eq!(found.ignored, ["notes.txt"]);
+    }
+
+    #[test]
+    fn folders_around_all_submissions_are_found() {
+        let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let check = |paths: &[&str], expected: Option<&str>| {
+            assert_eq!(common_folder(paths.iter().copied(), &is_wanted).as_deref(), expected, "{paths:?}");
+        };
+        check(&["Lab/ana/a.c", "Lab/bob.zip"], Some("Lab"));
+        check(&["README.txt", "Lab/README.txt", "Lab/ana/a.c"], Some("Lab"));
+        check(&["Lab/ana_1_2_a.c", "Lab/Lab_u22_attempt_2024-03-01-12-00-00_a.c"], Some("Lab"));
+        check(&["Lab/ana/a.c", "bob.c"], None);
+        check(&["Lab/ana/a.c", "Other/a.c"], None);
+        check(&["ana/a.c", "ana/src/b.c"], None);
+        check(&["ana/essay.txt"], None);
+        check(&["Ana_1_assignsubmission_file_/lab.zip"], None);
+        check(&["README.txt"], None);
     }
 }
