@@ -254,7 +254,7 @@ fn grade(
                 graded.results.len()
             ));
         }
-        if let Some(path) = file(&keys[index]) {
+        if let Some(path) = file(&keys[index]).filter(|_| !graded.is_of_machine) {
             let bytes = serde_json::to_vec(&graded).map_err(std::io::Error::other);
             let written = bytes.and_then(|bytes| write_atomically(&path, &bytes));
             written.map_err(|error| GradeError::Io { path, error })?;

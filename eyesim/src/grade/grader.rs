@@ -56,6 +56,9 @@ pub struct Graded {
     pub schema: u32,
     /// Reason why nothing was built, such as a refused submission or a missing program.
     pub problem: Option<String>,
+    /// True if the machine is the reason, not the submission: then the result is not cached.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_of_machine: bool,
     /// Remarks about files that were not read.
     pub notes: Vec<String>,
     /// Files of the programs of robots.
@@ -235,8 +238,11 @@ impl Grader {
     /// only once.
     pub fn grade(&mut self, submission: &Submission, workers: usize) -> Graded {
         let start = Instant::now();
-        let mut graded = match self.try_grade(submission, workers) {
-            Ok(graded) => graded,
+        let choice = submission.contents.as_ref().map_err(String::clone).and_then(|contents| self.choose(contents));
+        let mut graded = match choice {
+            Ok(choice) => self
+                .run(choice, &self.key(submission), workers)
+                .unwrap_or_else(|problem| self.machine_failure(&problem)),
             Err(problem) => self.ungraded_result(&problem),
         };
         graded.notes = submission.contents.as_ref().map(|contents| contents.notes.clone()).unwrap_or_default();
@@ -244,10 +250,9 @@ impl Grader {
         graded
     }
 
-    fn try_grade(&mut self, submission: &Submission, workers: usize) -> Result<Graded, String> {
-        let choice = self.choose(submission.contents.as_ref()?)?;
-        let key = self.key(submission);
-        let folder = self.scratch.path().join(&key);
+    /// Builds and runs the programs of the submission with this key.
+    fn run(&mut self, choice: Choice, key: &str, workers: usize) -> Result<Graded, String> {
+        let folder = self.scratch.path().join(key);
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
         // Messages of compilers contain paths with symbolic links resolved.
         let folder = fs::canonicalize(&folder).unwrap_or(folder);
@@ -269,16 +274,21 @@ impl Grader {
         };
         pool.run(&indices, store).map_err(|error| error.to_string())?;
         let mut replacements =
-            PathReplacements::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
+            PathReplacements::new(&folder, &self.scratch.path().join(key), &suite.spec.folder, &choice);
         replacements.cache.clone_from(&self.cache);
         let mut graded = Graded { programs: choice.programs, ..Graded::of(results.into_values().collect()) };
-        graded.results.iter_mut().for_each(|result| replacements.replace_in_result(result, &key));
+        graded.results.iter_mut().for_each(|result| replacements.replace_in_result(result, key));
         _ = fs::remove_dir_all(&folder);
         Ok(graded)
     }
 
+    /// Result of a submission that the machine failed to grade.
+    pub fn machine_failure(&self, problem: &str) -> Graded {
+        Graded { is_of_machine: true, ..self.ungraded_result(problem) }
+    }
+
     /// Result of a submission that cannot be graded.
-    pub fn ungraded_result(&self, problem: &str) -> Graded {
+    fn ungraded_result(&self, problem: &str) -> Graded {
         let ungraded = |case: &Case| {
             let mut result = unfinished_case_result(&self.suite, case, problem);
             result.row.max_points = self.max_points.get(&case.variant).copied().unwrap_or_default();
@@ -321,7 +331,15 @@ impl Grader {
 
 impl Graded {
     fn of(results: Vec<CaseResult>) -> Self {
-        Self { schema: SCHEMA, problem: None, notes: Vec::new(), programs: Vec::new(), results, real_time_s: 0.0 }
+        Self {
+            schema: SCHEMA,
+            problem: None,
+            is_of_machine: false,
+            notes: Vec::new(),
+            programs: Vec::new(),
+            results,
+            real_time_s: 0.0,
+        }
     }
 
     /// Reads a cached result; `None` if its format has another version or cannot be read.

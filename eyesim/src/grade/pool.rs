@@ -51,7 +51,7 @@ pub fn grade_all(
                 Err(_) => {
                     let problem =
                         format!("the process that graded the submission ended without a result: {exit_status}");
-                    done(index, grader.ungraded_result(&problem))?;
+                    done(index, grader.machine_failure(&problem))?;
                 }
             }
         }
