@@ -419,7 +419,10 @@ fn cases_that_could_not_be_run_are_reported_and_run_again() {
         "{ran:#?}"
     );
     scratch.write("judge.py", "import json\nprint(json.dumps({'passed': True, 'message': 'so be it'}))\n");
-    into(&scratch, "out", &[]);
+    // The same suite at another path.
+    sweep(&scratch, &["./a.suite.toml", "-o", "out"], 0);
+    let ran = sweep(&scratch, &["merge", "out", "-o", "rows.csv"], 0);
+    assert!(ran.stdout.starts_with("4 rows in rows.csv: ") && !ran.stderr.contains("warning"), "{ran:#?}");
     let rows = rows(&scratch, "out");
     assert!(rows.len() == 4 && rows.iter().all(|row| row["outcome"] != "error"), "{rows:#?}");
 }

@@ -13,6 +13,7 @@ use anyhow::{Context as _, bail, ensure};
 use clap::{Args, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
+use sim_format::path::file_name;
 use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::record::log::Printable;
 use sim_host::record::report::write_atomically;
@@ -311,11 +312,15 @@ fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
     report_torn_lines(&files);
     let inputs: Vec<String> = files.iter().map(|lines| lines.path.display().to_string()).collect();
     check_outputs(&[("-o", output)], inputs.iter().map(String::as_str))?;
+    // The same suite has other paths in other folders and on other machines.
     let mut cases: BTreeMap<String, usize> = BTreeMap::new();
-    files.iter().filter_map(|lines| lines.head.clone()).for_each(|head| _ = cases.insert(head.suite, head.cases));
+    for head in files.iter().filter_map(|lines| lines.head.as_ref()) {
+        let count = cases.entry(file_name(&head.suite).to_owned()).or_default();
+        *count = head.cases.max(*count);
+    }
     let rows = merge(files)?;
     let mut keys: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-    rows.iter().for_each(|row| *keys.entry((&row.suite, &row.case)).or_default() += 1);
+    rows.iter().for_each(|row| *keys.entry((file_name(&row.suite), &row.case)).or_default() += 1);
     if let Some(((_, case), _)) = keys.iter().find(|(_, count)| **count > 1) {
         let count = keys.values().filter(|count| **count > 1).count();
         say(format_args!("warning: {count} cases have several rows, such as `{case}`: the suite or its files differ"));

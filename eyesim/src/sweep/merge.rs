@@ -3,6 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
+use sim_format::path::file_name;
+
 use super::{Line, Lines, SweepError};
 use crate::suite::{Row, RowOutcome};
 
@@ -18,7 +20,7 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
         for Line { number, row } in file.rows {
             let location = format!("{}:{number}", file.path.display());
             if row.outcome == RowOutcome::Error {
-                errors.insert((row.suite.clone(), row.case.clone()), row);
+                errors.insert(case_of(&row), row);
                 continue;
             }
             match rows.get_mut(&row.key) {
@@ -28,11 +30,16 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
         }
     }
     for (row, _) in rows.values() {
-        errors.remove(&(row.suite.clone(), row.case.clone()));
+        errors.remove(&case_of(row));
     }
     let mut rows: Vec<Row> = rows.into_values().map(|(row, _)| row).chain(errors.into_values()).collect();
     rows.sort_by(compare);
     Ok(rows)
+}
+
+/// The case of a row, whatever the location of the suite: the name of the suite's file, and the name of the case.
+fn case_of(row: &Row) -> (String, String) {
+    (file_name(&row.suite).to_owned(), row.case.clone())
 }
 
 /// Joins two rows with one key. A row of a run that was stopped for its processor time has no digest; it is replaced by
