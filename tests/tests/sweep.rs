@@ -247,6 +247,18 @@ fn a_changed_suite_does_not_mix_with_old_rows() {
     scratch.write("a.suite.toml", &text.replace("1..2", "1..3"));
     let ran = into(&scratch, "out", &[]);
     assert!(ran.stderr.contains("4 of 6 cases have their rows already"), "{ran:#?}");
+    // With more seeds, other cases belong to a shard. The rows of the old ones remain valid.
+    scratch.write("a.suite.toml", &text);
+    for shard in ["1/2", "2/2"] {
+        into(&scratch, "shards", &["--shard", shard]);
+    }
+    scratch.write("a.suite.toml", &text.replace("1..2", "1..3"));
+    into(&scratch, "shards", &["--shard", "1/2"]);
+    let ran = sweep(&scratch, &["status", "shards"], 1);
+    assert!(ran.stdout.contains("5 of 6 cases have rows") && ran.stdout.contains("shard 2/2: 2 of 3"), "{ran:#?}");
+    into(&scratch, "shards", &["--shard", "2/2"]);
+    sweep(&scratch, &["status", "shards"], 0);
+    assert_eq!(merged(&scratch, "shards"), merged(&scratch, "out"));
     // The file of this suite contains the rows of another suite.
     let other = suite(8);
     into(&other, "out", &[]);

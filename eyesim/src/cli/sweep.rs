@@ -263,7 +263,8 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     let cases = files.iter().filter_map(|lines| Some(lines.head.as_ref()?.cases)).max().unwrap_or_default();
     let mut incomplete = Vec::new();
     for lines in &files {
-        let expected = lines.head.as_ref().map_or(0, |head| head.shard_cases);
+        // The file of a shard that has not continued since the suite has more cases has an old header.
+        let expected = lines.shard.count_of(cases);
         let with_row = merge(vec![lines.clone()])?.iter().filter(|row| row.outcome != RowOutcome::Error).count();
         if with_row < expected || lines.head.is_none() {
             incomplete.push(format!("  shard {}: {with_row} of {expected} cases", lines.shard));

@@ -35,13 +35,12 @@ pub struct Head {
 impl Head {
     /// Creates the header of a sweep of this suite.
     pub fn new(suite: &str, cases: usize, shard: Shard) -> Self {
-        let shard_cases = (0..cases).filter(|&case| shard.contains(case)).count();
         Self {
             sweep: SCHEMA,
             eyesim_version: env!("CARGO_PKG_VERSION").to_owned(),
             suite: suite.to_owned(),
             cases,
-            shard_cases,
+            shard_cases: shard.count_of(cases),
         }
     }
 }

@@ -119,8 +119,8 @@ pub fn finished_cases(
     (suite, cases): (&Suite, &[Case]),
     session: &mut Session,
 ) -> Result<BTreeMap<usize, RowOutcome>, SweepError> {
-    let shard_cases = cases.iter().enumerate().filter(|(index, _)| shard.contains(*index));
-    let indices: HashMap<&str, usize> = shard_cases.map(|(index, case)| (case.name.as_str(), index)).collect();
+    // Before the matrix had all of its values, a row's case may have been in this shard.
+    let indices: HashMap<&str, usize> = (0..).zip(cases).map(|(index, case)| (case.name.as_str(), index)).collect();
     let mut outcomes = BTreeMap::new();
     let mut foreign: Option<(&Line, usize)> = None;
     for line in lines.rows.iter().filter(|line| line.row.outcome != RowOutcome::Error) {
@@ -135,7 +135,10 @@ pub fn finished_cases(
         }
     }
     match foreign {
-        None => Ok(outcomes),
+        None => {
+            outcomes.retain(|index, _| shard.contains(*index));
+            Ok(outcomes)
+        }
         Some((first, others)) => Err(SweepError::Foreign {
             path: lines.path.clone(),
             line: first.number,

@@ -41,6 +41,11 @@ impl Shard {
         case % self.count == self.index - 1
     }
 
+    /// Number of the first `cases` cases that belong to the shard.
+    pub fn count_of(self, cases: usize) -> usize {
+        (0..cases).filter(|&case| self.contains(case)).count()
+    }
+
     /// Name of the shard's file.
     pub fn file_name(self) -> String {
         format!("rows-{}-of-{}.jsonl", self.index, self.count)
