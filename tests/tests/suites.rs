@@ -200,6 +200,10 @@ fn cases_that_were_not_run_are_reported() {
     let words = format!("{missing} not run");
     assert!(ran.stdout.contains(&words) && scratch.read("h/index.html").contains(&words), "{ran:#?}");
     assert_eq!(scratch.read("r.xml").matches("message=\"not run\"").count(), missing as usize);
+    // Without the missing cases nobody knows whether enough of the seeds pass.
+    scratch.write("0.suite.toml", &scratch.read("0.suite.toml").replace("pass_rate = 0.8", "pass_rate = 0"));
+    let ran = test(&scratch, &["0.suite.toml", "-x", "-j", "1"], 1);
+    assert!(ran.stdout.contains(" not run") && !ran.stdout.contains("pass rate met"), "{ran:#?}");
 }
 
 #[test]

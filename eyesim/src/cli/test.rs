@@ -131,6 +131,11 @@ impl SuiteRun {
         self.variants.iter().any(|variant| !variant.passed)
     }
 
+    /// Returns true if no variant failed and all selected cases have run.
+    pub fn is_passed(&self) -> bool {
+        !self.is_failed() && self.missing() == 0
+    }
+
     /// Number of selected cases that have not run, because of an interrupt or of a failure with `-x`.
     pub fn missing(&self) -> usize {
         let was_run =
@@ -219,7 +224,9 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         ExitCode::from(EXIT_INTERRUPTED)
     } else if selected_count == 0 {
         ExitCode::from(EXIT_NO_CASES)
-    } else if runs.iter().any(SuiteRun::is_failed) {
+    } else if runs.iter().all(SuiteRun::is_passed) {
+        ExitCode::SUCCESS
+    } else {
         ExitCode::from(EXIT_PROGRAM)
     } else {
         ExitCode::SUCCESS
@@ -375,7 +382,7 @@ impl<'r> SuiteReport<'r> {
         let SuiteRun { suite, results, variants, .. } = run;
         Self {
             suite: &suite.spec.file,
-            passed: !run.is_failed() && run.missing() == 0,
+            passed: run.is_passed(),
             missing: run.missing(),
             pass_rate: suite.spec.pass_rate,
             points: variants.iter().map(|variant| variant.points).sum(),
@@ -394,7 +401,7 @@ fn write_files(args: &TestArgs, runs: &[SuiteRun], elapsed: Duration) -> anyhow:
         let report = Report {
             schema: ROW_SCHEMA,
             eyesim_version: env!("CARGO_PKG_VERSION"),
-            passed: !runs.iter().any(|run| run.is_failed() || run.missing() > 0),
+            passed: runs.iter().all(SuiteRun::is_passed),
             missing: runs.iter().map(SuiteRun::missing).sum(),
             suites: runs.iter().map(SuiteReport::of).collect(),
         };

@@ -265,9 +265,9 @@ impl Console {
         let points: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.points).sum();
         let max: f64 = runs.iter().flat_map(|run| &run.variants).map(|variant| variant.max_points).sum();
         let points = if max > 0.0 { format!(", {} of {} points", number(points), number(max)) } else { String::new() };
-        let is_failed = runs.iter().any(SuiteRun::is_failed);
-        let tolerated = if count > 0 && !is_failed && !is_interrupted { ", pass rate met" } else { "" };
-        let style = if is_failed { Style::new().red().bold() } else { Style::new().green().bold() };
+        let is_passed = runs.iter().all(SuiteRun::is_passed);
+        let tolerated = if count > 0 && is_passed { ", pass rate met" } else { "" };
+        let style = if is_passed { Style::new().green().bold() } else { Style::new().red().bold() };
         self.heading(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
     }
 
