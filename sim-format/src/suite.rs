@@ -192,6 +192,17 @@ impl Axis {
         let is_equal = |label: &str| label == value || wanted.is_some() && number(label) == wanted;
         (0..self.values.len()).filter(|index| is_equal(self.label(*index))).collect()
     }
+
+    /// Text that is equal for all values that mean the same as the value `index`; `None` if there is no such value.
+    fn normalised(&self, index: usize) -> Option<String> {
+        let text = label(self.values.get(index)?);
+        Some(match self.kind {
+            // Slots are multiples of a microsecond.
+            AxisKind::Slot => text.parse().map_or(text.to_owned(), |ms: f64| ((ms * 1e3).round() / 1e3).to_string()),
+            AxisKind::Scene => path::join("", text),
+            _ => text.to_owned(),
+        })
+    }
 }
 
 /// A value of TOML without its quotes.
@@ -484,6 +495,15 @@ impl Reader {
             if let Some(twice) = zip.iter().find(|name| !zipped.insert(name.as_str())) {
                 let message = format!("`{twice}` is in `zip` twice");
                 self.sink.error(Code::SuiteAxis, matrix.span, message, "each name once");
+            }
+        }
+        for (members, length) in matrix.zip_groups(&axes) {
+            let values = |index| members.iter().filter_map(|&axis| axes[axis].normalised(index)).collect::<Vec<_>>();
+            let mut seen = BTreeSet::new();
+            if let Some(twice) = (0..length).map(values).find(|values| !seen.insert(values.clone())) {
+                let names: Vec<&str> = members.iter().map(|&axis| axes[axis].name.as_str()).collect();
+                let message = format!("{} of {} is listed twice", twice.join(", "), names.join(", "));
+                self.sink.error(Code::TomlConflict, matrix.span, message, "each value once");
             }
         }
         self.check_parameters(suite);

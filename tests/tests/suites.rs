@@ -215,6 +215,8 @@ fn wrong_suites_are_reported() {
         ("seed = \"1..3\"", "seed = \"1..300000\"\nslot_ms = [20, 50]", "suite-cases"),
         ("seed = \"1..3\"", "seed = true", "toml-type"),
         ("seed = \"1..3\"", "seed = [1, 1]", "toml-conflict"),
+        ("seed = \"1..3\"", "slot_ms = [50, 20, 50.0]", "toml-conflict"),
+        ("seed = \"1..3\"", "scene = [\"room.scene.toml\", \"./room.scene.toml\"]", "toml-conflict"),
         ("seed = \"1..3\"", "seed = 1\nexclude = [{ seed = 1 }]", "suite-cases"),
         ("seed = \"1..3\"", "seed = 1\nzip = [[\"noise\", \"world\"]]", "suite-axis"),
         ("until_s = 60", "arguments = [\"{kp}\"]", "suite-parameter"),
@@ -239,6 +241,9 @@ fn wrong_suites_are_reported() {
     test(&scratch, &["0.suite.toml", "-k", "seed=99"], 5);
     let ran = test(&scratch, &["0.suite.toml", "-k", "(a"], 2);
     assert!(ran.stderr.contains("not closed"), "{ran:#?}");
+    // Values that advance together may recur.
+    scratch.write("w.suite.toml", &base.replace("seed =", "slot_ms = [50, 50]\nzip = [\"noise\", \"slot_ms\"]\nseed ="));
+    test(&scratch, &["w.suite.toml", "--collect-only"], 0);
     scratch.write("w.suite.toml", &base.replace("until_s", "untils"));
     let ran = test(&scratch, &["w.suite.toml", "--collect-only"], 0);
     assert!(ran.stderr.contains("toml-key"), "an unknown key is a warning: {ran:#?}");
