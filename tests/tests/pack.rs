@@ -120,8 +120,13 @@ fn programs_of_checks_are_packed_and_run_if_they_may() {
     let scene = course.read("course/lab/lab.scene.toml");
     let check = "[[check]]\nkind = \"script\"\nprogram = \"tools/grade.py\"\n";
     course.write("course/lab/lab.scene.toml", &format!("{scene}\n{check}"));
-    course.write("course/lab/tools/grade.py", "from answer import text\nprint(text)\n");
-    course.write("course/lab/tools/answer.py", "text = '{\"passed\": true}'\n");
+    course.write(
+        "course/lab/tools/grade.py",
+        "import json, answer\nfrom parts import end\nprint(answer.text + end.text)\n",
+    );
+    course.write("course/lab/tools/answer.py", "text = '{\"passed\": '\n");
+    course.write("course/lab/tools/parts/end.py", "from parts.last import text\n");
+    course.write("course/lab/tools/parts/last.py", "text = 'true}'\n");
     let packed = course.eyesim(&["pack", "course/lab/lab.scene.toml", "-o", "lab.zip"]);
     assert_eq!(packed.code, Some(0), "{packed:#?}");
     let here = elsewhere(&course, "lab.zip");

@@ -155,7 +155,9 @@ impl Collected {
 
     /// Adds a program with all files that it includes or imports, directly or indirectly.
     fn add_program(&mut self, path: &Path) -> anyhow::Result<()> {
-        let mut pending = vec![normalized(path)?];
+        let program = normalized(path)?;
+        let program_folder = program.parent().unwrap_or(Path::new("/"));
+        let mut pending = vec![program.clone()];
         let mut seen = BTreeSet::new();
         while let Some(path) = pending.pop() {
             if !seen.insert(path.clone()) {
@@ -163,10 +165,13 @@ impl Collected {
             }
             let bytes = read_regular(&path).with_context(|| format!("`{}`", path.display()))?;
             let folder = path.parent().unwrap_or(Path::new("/"));
-            for name in included_files(&path, &String::from_utf8_lossy(&bytes)) {
-                let file = normalized(&folder.join(name))?;
-                if file.is_file() {
-                    pending.push(file);
+            for name in referenced_files(&path, &String::from_utf8_lossy(&bytes)) {
+                // Modules of a package import each other from the folder of the program.
+                for folder in [folder, program_folder] {
+                    let file = normalized(&folder.join(&name))?;
+                    if file.is_file() {
+                        pending.push(file);
+                    }
                 }
             }
             self.0.insert(path, bytes);
@@ -201,21 +206,54 @@ impl Collected {
     }
 }
 
-/// Names of the files that a C source includes (in quotation marks) or that a Python program imports.
-fn included_files(path: &Path, text: &str) -> Vec<String> {
+/// Names of the files that a C source includes (in quotation marks) or that a Python program may import.
+fn referenced_files(path: &Path, text: &str) -> Vec<String> {
     let name = path.to_string_lossy().to_lowercase();
-    let is_python = name.ends_with(".py") || name.ends_with(".py.txt");
+    if name.ends_with(".py") || name.ends_with(".py.txt") {
+        return modules(text)
+            .into_iter()
+            .flat_map(|module| [".py", "/__init__.py"].map(|end| module.clone() + end))
+            .collect();
+    }
     let included_file = |line: &str| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
         Some(rest.split('"').nth(1)?.to_owned())
     };
-    let imported_file = |line: &str| {
-        let rest = line.trim_start();
-        let module = rest.strip_prefix("import ").or_else(|| rest.strip_prefix("from "))?;
-        let name = module.split([' ', ',', ';']).next()?.replace('.', "/");
-        Some(format!("{name}.py"))
-    };
-    text.lines().filter_map(|line| if is_python { imported_file(line) } else { included_file(line) }).collect()
+    text.lines().filter_map(included_file).collect()
+}
+
+/// Paths without extension of the modules that a Python program may import: `a/b` for `import a.b` and for
+/// `from a import b`, and the packages around them.
+fn modules(text: &str) -> Vec<String> {
+    let mut modules = Vec::new();
+    let mut statement = String::new();
+    for line in text.lines() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        statement.push_str(line.trim_end_matches('\\'));
+        statement.push(' ');
+        let is_open = statement.split_once("import (").is_some_and(|(_, names)| !names.contains(')'));
+        if is_open || line.ends_with('\\') {
+            continue;
+        }
+        for statement in std::mem::take(&mut statement).split(';').map(str::trim) {
+            let from = statement.strip_prefix("from ").and_then(|rest| rest.split_once(" import"));
+            let Some((package, names)) = from.or_else(|| Some(("", statement.strip_prefix("import ")?))) else {
+                continue;
+            };
+            let name = package.trim().trim_start_matches('.');
+            let up = "../".repeat((package.trim().len() - name.len()).saturating_sub(1));
+            for imported in names.split([',', '(', ')']).filter_map(|name| name.split_whitespace().next()) {
+                let parts = name.split('.').chain(imported.split('.')).filter(|part| !part.is_empty());
+                let mut path = up.clone();
+                for part in parts {
+                    path.push_str(part);
+                    modules.push(path.clone());
+                    path.push('/');
+                }
+            }
+        }
+    }
+    modules
 }
 
 /// Absolute path without `.` and `..`.
@@ -324,4 +362,18 @@ pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked
         args.stdin = Some(stdin);
     }
     Ok(Some(unpacked))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modules_of_all_forms_of_imports_are_found() {
+        let check = |text: &str, expected: &[&str]| assert_eq!(modules(text), expected, "{text}");
+        check("import h1, h2 as h3; import a.b  # import c", &["h1", "h2", "a", "a/b"]);
+        check("from pkg import m, n as o", &["pkg", "pkg/m", "pkg", "pkg/n"]);
+        check("  from .m import *\nfrom .. import (\n    x,  # one\n    y,\n)", &["m", "m/*", "../x", "../y"]);
+        check("from a import \\\n    b\nprint('import c')", &["a", "a/b"]);
+    }
 }
