@@ -84,6 +84,32 @@ fn a_packed_suite_has_the_same_rows_elsewhere() {
 }
 
 #[test]
+fn runs_of_archives_are_repeated() {
+    let course = course();
+    let pack = ["pack", "course/lab/lab.scene.toml", "-o", "lab.zip", "--program", "1=mine/main.c,mine/way.c"];
+    assert_eq!(course.eyesim(&pack).code, Some(0));
+    assert_eq!(course.eyesim(&["run", "lab.zip", "--trace", "traces/t.jsonl"]).code, Some(0));
+    // The archive is beside the trace.
+    std::fs::rename(course.path().join("lab.zip"), course.path().join("traces/lab.zip")).expect("a move");
+    let ran = course.eyesim(&["replay", "traces/t.jsonl", "--verify"]);
+    assert!(ran.code == Some(0) && ran.stdout.starts_with("the same digest: ") && ran.stderr.is_empty(), "{ran:#?}");
+    let ran = course.eyesim(&["replay", "traces/t.jsonl", "--html", "t.html"]);
+    assert!(ran.code == Some(0) && !ran.stderr.contains("is not read any more"), "{ran:#?}");
+    // A case of a suite that fails.
+    let suite = course.read("course/lab/lab.suite.toml").replace("[1200, 500]", "[1300, 500]");
+    course.write("course/lab/lab.suite.toml", &suite);
+    assert_eq!(course.eyesim(&["pack", "course/lab/lab.suite.toml", "-o", "lab.zip"]).code, Some(0));
+    let ran = course.eyesim(&["test", "lab.zip", "-k", "none and seed=2"]);
+    let command = ran.stdout.lines().find_map(|line| line.split_once("to see it: eyesim view ")).expect("a command").1;
+    assert!(command.starts_with("lab.zip/lab/lab.scene.toml --seed=2 "), "{ran:#?}");
+    let words: Vec<&str> = command.split(' ').take_while(|word| *word != "--at").collect();
+    let ran = course.eyesim(&[&["run"], &words[..]].concat());
+    assert!(ran.code == Some(1) && ran.stdout.contains("1300"), "{ran:#?}");
+    let ran = course.eyesim(&["test", "lab.zip", "--lf"]);
+    assert!(ran.stdout.contains("5 deselected / 1 selected"), "{ran:#?}");
+}
+
+#[test]
 fn a_scene_of_the_repository_is_packed_with_its_files() {
     let scratch = Scratch::new();
     let scene = root().canonicalize().expect("the root").join("sims/park.sim");

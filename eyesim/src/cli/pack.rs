@@ -338,8 +338,13 @@ fn example(name: &Path) -> anyhow::Result<PathBuf> {
     bail!("--example: no example is called `{}`, accepted: {}", name.display(), names.collect::<Vec<_>>().join(", "))
 }
 
-/// If `args` name an example or an archive, makes them refer to its scene. Unpacked files are removed when the result
-/// is dropped.
+/// The archive that a path names, or to which a path such as `lab.zip/lab.scene.toml` leads.
+pub(super) fn archive_of(path: &Path) -> Option<&Path> {
+    path.ancestors().find(|path| is_archive(path) && !path.is_dir())
+}
+
+/// If `args` name an example, an archive or a scene in an archive, makes them refer to the scene's file. Unpacked files
+/// are removed when the result is dropped.
 ///
 /// # Errors
 /// See [`unpack`].
@@ -347,20 +352,26 @@ pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked
     if args.example {
         args.sim = example(&args.sim)?;
     }
-    if !is_archive(&args.sim) {
-        return Ok(None);
+    let sim = args.sim.clone();
+    let Some(path) = archive_of(&sim) else { return Ok(None) };
+    let unpacked = unpack(path)?;
+    let archive = unpacked.archive(path);
+    if path == sim {
+        args.sim = unpacked.main();
+        args.seed = args.seed.or(unpacked.manifest().seed);
+        args.programs = programs(&unpacked, &args.programs)?;
     }
-    let unpacked = unpack(&args.sim)?;
-    args.sim = unpacked.main();
-    args.is_of_archive = true;
-    args.seed = args.seed.or(unpacked.manifest().seed);
-    args.programs = programs(&unpacked, &args.programs)?;
-    if let Some(noise) = args.noise.as_deref().and_then(|given| unpacked.option(given)) {
-        args.noise = Some(slashed(&noise));
+    // Recorded arguments name files by their paths in the archive.
+    let find = |given: &str| match unpacked.option(given) {
+        Some(file) => slashed(&file),
+        None => archive.unpacked(given),
+    };
+    for file in [Some(&mut args.sim), args.stdin.as_mut(), args.checks.as_mut()].into_iter().flatten() {
+        *file = find(&slashed(file)).into();
     }
-    if let Some(stdin) = args.stdin.as_deref().and_then(|given| unpacked.option(&slashed(given))) {
-        args.stdin = Some(stdin);
-    }
+    args.noise.iter_mut().for_each(|noise| *noise = find(noise));
+    args.programs.iter_mut().for_each(|program| *program = program.with_program(&find(program.program())));
+    args.archive = Some(archive);
     Ok(Some(unpacked))
 }
 

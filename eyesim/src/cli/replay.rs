@@ -22,7 +22,8 @@ use sim_host::executive::interrupt;
 use sim_host::executive::scheduler::{Progress, Scheduler};
 use sim_host::executive::script::Script;
 use sim_host::executive::spawn::roster_of;
-use sim_host::launch::{Error, Observers, Scene};
+use sim_host::files::slashed;
+use sim_host::launch::{Error, Observers, Scene, UnpackedArchive};
 use sim_host::program::command;
 use sim_host::record::read::read_text;
 use sim_host::record::report::{Input, write_atomically};
@@ -36,6 +37,7 @@ use super::EXIT_PROGRAM;
 use super::output::print;
 use super::output::say;
 use super::output::{check_outputs, output_path};
+use super::pack::{archive_of, open_for_run};
 use super::run::{self, ConsoleRun, RunArgs};
 use super::view::{open_browser, open_window};
 use crate::window::recording::recording;
@@ -106,7 +108,8 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
 
 /// Recording of a run for the page; its scene is read from the scene's files.
 fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> {
-    let args = args_of(recorded, trace)?;
+    let mut args = args_of(recorded, trace)?;
+    let _unpacked = open_for_run(&mut args)?;
     let mut scene = Scene::open(&args.sim, args.options())?;
     ensure!(
         !scene.is_rejected(),
@@ -114,7 +117,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         args.sim.display()
     );
     let slot = scene.settings()?.slot;
-    let remarks = remarks(recorded, &current_inputs(recorded));
+    let remarks = remarks(recorded, &current_inputs(recorded, args.archive.as_ref()));
     remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
     let mut robots: Vec<RobotInput> = spec.robots.iter().map(robot_input).collect();
@@ -166,11 +169,11 @@ fn object_input((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
     ObjectInput { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
-/// Current versions of the files that determined the run.
-fn current_inputs(recorded: &Recorded) -> Vec<Input> {
+/// Current versions of the files that determined the run, some of them in an archive.
+fn current_inputs(recorded: &Recorded, archive: Option<&UnpackedArchive>) -> Vec<Input> {
     let input = |old: &Input| {
-        let path = Path::new(&old.path);
-        Some(Input::new(path, &std::fs::read(path).ok()?))
+        let path = archive.map_or(old.path.clone(), |archive| archive.unpacked(&old.path));
+        Some(Input::new(Path::new(&old.path), &std::fs::read(path).ok()?))
     };
     recorded.header.inputs.iter().filter_map(input).collect()
 }
@@ -178,7 +181,8 @@ fn current_inputs(recorded: &Recorded) -> Vec<Input> {
 /// Repeats the run of a trace, and compares the digests slot by slot.
 fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let recorded = Recorded::read(&args.trace)?;
-    let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
+    let mut run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
+    let _unpacked = open_for_run(&mut run)?;
     ensure!(
         recorded.digest_version == u64::from(digest::VERSION),
         "the digests of `{}` have version {}, those of this eyesim version {}: record the run again (`eyesim diff` compares events of \
@@ -194,7 +198,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         }
         ready => ready?,
     };
-    for remark in remarks(&recorded, ready.inputs()) {
+    for remark in remarks(&recorded, &ready.trace_header().inputs) {
         say(remark);
     }
     let mut script = script_of(&recorded);
@@ -229,7 +233,8 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Arguments that repeat a recorded run; a scene that is not found at its path is searched for beside the trace.
+/// Arguments that repeat a recorded run; a scene or archive that is not found at its path is searched for beside the
+/// trace.
 ///
 /// # Errors
 /// If the trace has no arguments, or its scene is missing.
@@ -242,14 +247,20 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
         trace.display()
     );
     let mut args = RunArgs::of_words(&header.run)?;
-    if !args.sim.exists() {
-        let beside_trace = trace.parent().unwrap_or(Path::new("")).join(&args.sim);
+    let file = archive_of(&args.sim).unwrap_or(&args.sim);
+    if !file.exists() {
+        let beside_trace = trace.parent().unwrap_or(Path::new("")).join(file);
         ensure!(
             beside_trace.exists(),
             "there is no `{}`, the scene of this trace: run this in the folder in which it was recorded",
-            args.sim.display()
+            file.display()
         );
-        args.sim = beside_trace;
+        if file == args.sim {
+            args.sim = beside_trace;
+        } else {
+            let [old, new] = [file, &beside_trace].map(|path| slashed(path) + "/");
+            args = RunArgs::of_words(header.run.iter().map(|word| word.replace(&old, &new)))?;
+        }
     }
     Ok(args)
 }

@@ -24,7 +24,7 @@ use sim_host::executive::load::DebugTarget;
 use sim_host::executive::program::Exec;
 use sim_host::executive::subreaper::Subreaper;
 use sim_host::launch::settings::ProgramOption;
-use sim_host::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options};
+use sim_host::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options, UnpackedArchive};
 use sim_host::program::sandbox::{Level, Sandbox};
 use sim_host::program::words::quoted;
 use sim_host::program::{Generation, command};
@@ -177,9 +177,9 @@ pub struct RunArgs {
     /// Simulated time at which the run ends if neither the user nor the scene sets one
     #[arg(skip = DEFAULT_UNTIL)]
     pub default_until: Time,
-    /// True if the scene comes from an archive: the programs of its checks then need `--allow-execute`
+    /// The archive from which the scene comes: the programs of its checks then need `--allow-execute`
     #[arg(skip)]
-    pub is_of_archive: bool,
+    pub archive: Option<UnpackedArchive>,
     /// True if the programs' messages are not shown
     #[arg(skip)]
     pub is_silent: bool,
@@ -247,7 +247,7 @@ impl RunArgs {
             noise: self.noise.clone(),
             contact: self.contact,
             allow_execute: self.allow_execute,
-            may_run_checks: self.allow_execute || !self.is_of_archive,
+            may_run_checks: self.allow_execute || self.archive.is_none(),
             output_limit: self.output_limit,
             is_verbose: self.verbose,
             strict: self.strict,
@@ -256,6 +256,7 @@ impl RunArgs {
             debug: self.debug.clone(),
             default_until: self.default_until,
             embedded: Vec::new(),
+            archive: self.archive.clone(),
         }
     }
 }

@@ -103,6 +103,8 @@ const AFTER_HELP: &str =
 
 /// A suite with the results of its cases.
 pub struct SuiteRun {
+    /// Path that the user has given: that of the suite, or of an archive.
+    pub path: PathBuf,
     /// The suite.
     pub suite: Suite,
     /// All cases of the suite.
@@ -161,6 +163,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
             let archive = unpacked.insert(pack::unpack(path)?);
             let mut suite = Suite::open(&archive.main(), pack::programs(archive, &args.programs)?);
             suite.may_run_checks = args.allow_execute;
+            suite.archive = Some(archive.archive(path));
             suite
         } else {
             Suite::open(path, args.programs.clone())
@@ -170,7 +173,8 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         let suite_path = || format!("`{}`", path.display());
         let cases = suite.cases().map_err(anyhow::Error::msg).with_context(suite_path)?;
         suite.check_options(&cases).map_err(anyhow::Error::msg).with_context(suite_path)?;
-        runs.push(SuiteRun { suite, cases, selected: Vec::new(), results: BTreeMap::new(), variants: Vec::new() });
+        let (selected, results, variants) = (Vec::new(), BTreeMap::new(), Vec::new());
+        runs.push(SuiteRun { path: path.clone(), suite, cases, selected, results, variants });
     }
     let suite_inputs = runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone()));
     let inputs: Vec<String> =
@@ -228,8 +232,6 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         ExitCode::SUCCESS
     } else {
         ExitCode::from(EXIT_PROGRAM)
-    } else {
-        ExitCode::SUCCESS
     })
 }
 
@@ -301,7 +303,7 @@ fn select(runs: &[SuiteRun], selection: Option<&Selection>, last_failed: Option<
         (0..run.cases.len()).filter(|index| is_selected(&run.cases[*index])).collect()
     };
     let failed_cases = |run: &SuiteRun| {
-        let failed = last_failed.map(|last| last.cases(run.name())).unwrap_or_default();
+        let failed = last_failed.map(|last| last.cases(&run.path)).unwrap_or_default();
         indices(run, &|case| failed.contains(&case.name))
     };
     let mut selected: Vec<Vec<usize>> = runs.iter().map(failed_cases).collect();
@@ -324,13 +326,13 @@ impl LastFailed {
         Self(Cache::of_user().and_then(|cache| cache.folder("tests")).ok())
     }
 
-    fn file(&self, suite: &str) -> Option<PathBuf> {
+    fn file(&self, suite: &Path) -> Option<PathBuf> {
         let path = std::path::absolute(suite).ok()?;
         let name = blake3::hash(path.as_os_str().as_encoded_bytes()).to_hex();
         Some(self.0.as_ref()?.join(format!("{}.json", &name[..32])))
     }
 
-    fn cases(&self, suite: &str) -> BTreeSet<String> {
+    fn cases(&self, suite: &Path) -> BTreeSet<String> {
         let read = || serde_json::from_slice(&std::fs::read(self.file(suite)?).ok()?).ok();
         read().unwrap_or_default()
     }
@@ -339,14 +341,14 @@ impl LastFailed {
     /// the names cannot be written, the next `--lf` runs all cases.
     fn save(&self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| !run.results.is_empty()) {
-            let previous = self.cases(run.name());
+            let previous = self.cases(&run.path);
             let is_failed = |(index, case): &(usize, &Case)| match run.results.get(index) {
                 Some(result) => result.row.outcome != RowOutcome::Passed,
                 None => previous.contains(&case.name),
             };
             let failed = run.cases.iter().enumerate().filter(is_failed);
             let names: Vec<&str> = failed.map(|(_, case)| case.name.as_str()).collect();
-            if let (Some(file), Ok(bytes)) = (self.file(run.name()), serde_json::to_vec(&names)) {
+            if let (Some(file), Ok(bytes)) = (self.file(&run.path), serde_json::to_vec(&names)) {
                 _ = write_atomically(&file, &bytes);
             }
         }

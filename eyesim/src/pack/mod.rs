@@ -9,6 +9,8 @@ use std::io::{self, Cursor, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sim_host::files::slashed;
+use sim_host::launch::UnpackedArchive;
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
@@ -249,6 +251,11 @@ impl Unpacked {
     /// The scene or suite.
     pub fn main(&self) -> PathBuf {
         self.path_of(&self.manifest.main)
+    }
+
+    /// The folder as that of the archive at `path`, for runs of its files.
+    pub fn archive(&self, path: &Path) -> UnpackedArchive {
+        UnpackedArchive { path: slashed(path), folder: slashed(self.folder()) }
     }
 
     /// The folder of the files.

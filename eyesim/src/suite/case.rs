@@ -273,7 +273,8 @@ fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     let ready = built.load_with(session.loader.insert(loader))?;
     let mut words = ready.repeat_arguments();
     if !suite.spec.checks.is_empty() {
-        words.push(format!("--checks={}", suite.spec.file));
+        let file = suite.archive.as_ref().map_or(suite.spec.file.clone(), |archive| archive.packed(&suite.spec.file));
+        words.push(format!("--checks={file}"));
     }
     let scene = Arc::clone(ready.scene());
     let starts: Vec<_> = scene.robots.iter().map(|robot| robot.start).collect();

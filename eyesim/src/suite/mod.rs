@@ -24,7 +24,7 @@ pub use select::{Selection, SelectionError};
 use sim_host::executive::program::Exec;
 use sim_host::files::{DiskFiles, slashed};
 use sim_host::launch::settings::ProgramOption;
-use sim_host::launch::{Error, Options, Scene, check};
+use sim_host::launch::{Error, Options, Scene, UnpackedArchive, check};
 use sim_host::program::sandbox::Sandbox;
 
 use std::collections::BTreeSet;
@@ -45,6 +45,8 @@ pub struct Suite {
     pub inputs: Vec<InputFile>,
     /// True if the programs of checks may run; for a suite from an archive, the user must allow it.
     pub may_run_checks: bool,
+    /// Archive with the files of the suite.
+    pub archive: Option<UnpackedArchive>,
     /// Restrictions of the programs and of the compilers that build them.
     pub sandbox: Option<Sandbox>,
     axes: Vec<Axis>,
@@ -69,6 +71,7 @@ impl Suite {
             diagnostics: loaded.diagnostics,
             inputs: loaded.inputs,
             may_run_checks: true,
+            archive: None,
             sandbox: None,
             axes,
             checks_text,
@@ -193,6 +196,7 @@ impl Suite {
             settings: spec.settings(&self.axes, indices),
             may_run_checks: self.may_run_checks,
             output_limit: spec.limits.output,
+            archive: self.archive.clone(),
             ..Options::default()
         }
     }

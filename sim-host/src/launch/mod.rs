@@ -19,7 +19,7 @@ pub use built::BuiltScene;
 pub use child::serve_child;
 pub use finished::Finished;
 pub use option_error::{CostFileError, OptionError, UnknownRobot};
-pub use options::{DEFAULT_UNTIL, Options};
+pub use options::{DEFAULT_UNTIL, Options, UnpackedArchive};
 pub use ready::{EndedRun, Observers, Ready, Running};
 pub use scene::{NotAScene, ProgramCache, Scene};
 

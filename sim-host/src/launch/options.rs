@@ -91,6 +91,29 @@ pub struct Options {
     /// Programs that are part of this process; `programs` and the scene refer to them as if they were files. A trace
     /// contains only their names, so it cannot repeat the run.
     pub embedded: Vec<EmbeddedProgram>,
+    /// Archive with the files of the run. A trace names the files by their paths in the archive.
+    pub archive: Option<UnpackedArchive>,
+}
+
+/// An archive whose files are in a temporary folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnpackedArchive {
+    /// Path of the archive.
+    pub path: String,
+    /// Path of the folder.
+    pub folder: String,
+}
+
+impl UnpackedArchive {
+    /// The text with paths in the archive, `lab.zip/lab.scene.toml`, instead of paths in the folder.
+    pub fn packed(&self, text: &str) -> String {
+        text.replace(&format!("{}/", self.folder), &format!("{}/", self.path))
+    }
+
+    /// The text with paths in the folder instead of paths in the archive.
+    pub fn unpacked(&self, text: &str) -> String {
+        text.replace(&format!("{}/", self.path), &format!("{}/", self.folder))
+    }
 }
 
 impl Options {
@@ -140,6 +163,7 @@ impl Default for Options {
             keep_frames: false,
             debug: None,
             embedded: Vec::new(),
+            archive: None,
         }
     }
 }

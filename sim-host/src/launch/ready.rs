@@ -113,12 +113,16 @@ impl Ready {
             name: robot.robi.name.clone(),
             program: robot.program_name().to_owned(),
         };
+        let packed = |input: &Input| match &self.options.archive {
+            Some(archive) => Input { path: archive.packed(&input.path), ..input.clone() },
+            None => input.clone(),
+        };
         TraceHeader {
             seed: self.settings.seed,
             slot_us: self.settings.slot.0,
             robots: self.scene.robots.iter().map(robot).collect(),
             run: self.repeat_arguments(),
-            inputs: self.inputs.clone(),
+            inputs: self.inputs.iter().map(packed).collect(),
             only: Vec::new(),
         }
     }
@@ -225,6 +229,7 @@ fn repeat_arguments(scene: &str, options: &Options, settings: &Settings) -> Vec<
     if options.allow_execute {
         words.push("--allow-execute".to_owned());
     }
+    options.archive.iter().for_each(|archive| words.iter_mut().for_each(|word| *word = archive.packed(word)));
     words
 }
 
