@@ -197,6 +197,8 @@ export class Model {
     switch (message.type) {
       case "welcome":
         this.welcome = message;
+        // What is shown came over an earlier connection, perhaps from another eyesim that numbers its runs alike.
+        this.restart();
         break;
       case "scene":
         this.takeScene(message);
@@ -235,19 +237,22 @@ export class Model {
     this.notify("history");
   }
 
+  /** Clears the state of the run: it comes anew. */
+  private restart(): void {
+    this.snapshot = null;
+    this.details.clear();
+    this.layers.clear();
+    this.clock.restart();
+    this.motion.restart?.();
+    this.forget();
+    this.notify("detail");
+    this.notify("layer");
+  }
+
   private takeScene(scene: Scene): void {
     const isAnotherRun = this.scene?.run !== scene.run;
     this.scene = scene;
-    if (isAnotherRun) {
-      this.snapshot = null;
-      this.details.clear();
-      this.layers.clear();
-      this.clock.restart();
-      this.motion.restart?.();
-      this.forget();
-      this.notify("detail");
-      this.notify("layer");
-    }
+    if (isAnotherRun) this.restart();
     if (!scene.robots.some((robot) => robot.id === this.chosen)) this.choose(scene.robots[0]?.id ?? null);
     const selected = this.selected;
     if (selected && "object" in selected && !scene.objects.some((object) => object.id === selected.object)) this.select(null);

@@ -140,6 +140,18 @@ test("noise models are set by slider, by number and for all robots, and are rese
   assert.equal((await asked(2)).command.action.parameter, "psd.sigma_mm");
 });
 
+test("a page that reconnects discards what it had", { skip }, async () => {
+  const shown = (text) => page.waitForFunction((text) => document.querySelector("[data-testid=events-count]").textContent === text, text);
+  mock.send({ type: "events", ...events(8) });
+  mock.send({ type: "detail", ...detail(1, 9) });
+  await shown("8 of 8 events");
+  mock.cut();
+  await received.until("another welcome", ({ welcomes }) => welcomes.length === 2);
+  mock.send({ type: "events", ...events(8) });
+  await shown("8 of 8 events");
+  assert.equal(await page.evaluate(() => globalThis.eyesim.model.history.size), 0);
+});
+
 test("a page of another version shows the mismatch", { skip }, async () => {
   mock.welcome = { ...mock.welcome, protocol: 99, version: "9.9.9" };
   mock.cut();

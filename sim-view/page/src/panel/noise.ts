@@ -34,6 +34,8 @@ export function noisePanel(model: Model): HTMLElement {
   let keyOfRows = "";
   const scheduleDraw = whileOpen(panel, draw);
   for (const topic of ["detail", "chosen"] as const) model.subscribe(topic, scheduleDraw);
+  // After a reconnection, a run with the same number may be another one.
+  model.subscribe("welcome", () => first.clear());
   onRights(model, allow);
   return panel;
 

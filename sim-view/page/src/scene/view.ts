@@ -122,6 +122,8 @@ export class View {
   private listen(): void {
     const { model } = this;
     const stale = () => void (this.isStale = true);
+    // After a reconnection, a run with the same number may be another one.
+    model.subscribe("welcome", () => void (this.lastRun = 0));
     model.subscribe("scene", () => this.rebuild());
     model.subscribe("snapshot", () => {
       this.bodies.mark();
