@@ -18,10 +18,13 @@ export class LiveSource implements Source {
   private wanted: Look | null = null;
   private number = 0;
   private wait_ms = FIRST_WAIT_MS;
+  private retrying = 0;
   private readonly pending = new Map<number, { done: () => void; fail: (why: Error) => void }>();
 
   constructor(private readonly model: Model) {
     this.connect();
+    // The user has opened the address of another eyesim in this tab: only the fragment with the token has changed.
+    addEventListener("hashchange", () => tokenInAddress() !== null && this.reconnect());
   }
 
   act(command: Command): Promise<void> {
@@ -53,8 +56,8 @@ export class LiveSource implements Source {
     };
     socket.onmessage = (event) => this.receive(JSON.parse(String(event.data)) as Message);
     socket.onclose = (event) => {
-      for (const { fail } of this.pending.values()) fail(new Error("the connection was lost"));
-      this.pending.clear();
+      this.failPending();
+      if (event.code === WRONG_TOKEN) storeToken(null);
       if (event.code === WRONG_VERSION && reloadOnce(event.reason)) return;
       if (event.code === WRONG_TOKEN || event.code === WRONG_VERSION) {
         this.model.setConnection({ is: "refused", why: event.reason || "the server refused this page" });
@@ -65,9 +68,26 @@ export class LiveSource implements Source {
     };
   }
 
+  private failPending(): void {
+    for (const { fail } of this.pending.values()) fail(new Error("the connection was lost"));
+    this.pending.clear();
+  }
+
+  /** Replaces the connection. */
+  private reconnect(): void {
+    clearTimeout(this.retrying);
+    this.wait_ms = FIRST_WAIT_MS;
+    if (this.socket) {
+      this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+      this.socket.close();
+    }
+    this.failPending();
+    this.connect();
+  }
+
   private retry(why: string): void {
     this.model.setConnection({ is: "lost", why, again_ms: performance.now() + this.wait_ms });
-    setTimeout(() => this.connect(), this.wait_ms);
+    this.retrying = window.setTimeout(() => this.connect(), this.wait_ms);
     this.wait_ms = Math.min(2 * this.wait_ms, LONGEST_WAIT_MS);
   }
 
@@ -88,20 +108,45 @@ export class LiveSource implements Source {
   }
 }
 
+function tokenInAddress(): string | null {
+  return new URLSearchParams(location.hash.slice(1)).get("token");
+}
+
 /** The token in the page's address, which is stored for this tab and removed from the address bar. */
 function token(): string | null {
-  const fragment = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (fragment !== null) {
-    sessionStorage.setItem("token", fragment);
+  const given = tokenInAddress();
+  if (given !== null) {
+    storeToken(given);
     history.replaceState(null, "", location.pathname + location.search);
   }
-  return sessionStorage.getItem("token");
+  try {
+    return sessionStorage.getItem("token");
+  } catch {
+    return tokenOfPage;
+  }
+}
+
+/** The token until the page is reloaded, if the browser forbids storage. */
+let tokenOfPage: string | null = null;
+
+function storeToken(token: string | null): void {
+  tokenOfPage = token;
+  try {
+    if (token === null) sessionStorage.removeItem("token");
+    else sessionStorage.setItem("token", token);
+  } catch {
+    // Without storage, a reloaded page has no token.
+  }
 }
 
 /** Reloads the page for a server of another version, once for each reason. */
 function reloadOnce(why: string): boolean {
-  if (sessionStorage.getItem("reloaded") === why) return false;
-  sessionStorage.setItem("reloaded", why);
+  try {
+    if (sessionStorage.getItem("reloaded") === why) return false;
+    sessionStorage.setItem("reloaded", why);
+  } catch {
+    return false;
+  }
   location.reload();
   return true;
 }

@@ -39,6 +39,11 @@ test("the pages of a class only watch, the teacher's page acts, a wrong token is
   await wrong.page.waitForFunction(() => globalThis.eyesim?.model.connection.is === "refused");
   assert.match(await wrong.control("banner-text").textContent(), /refused this page: the token is wrong/);
   assert.equal(wrong.received.snapshot, undefined, "it has seen nothing");
+  // The right address in the same tab changes only the fragment.
+  await wrong.page.evaluate(() => (location.hash = "token=right-token-0123"));
+  await wrong.received.until("a welcome", ({ welcomes }) => welcomes.length > 0);
+  assert.equal(wrong.received.welcomes[0].may_act, true);
+  assert(!wrong.page.url().includes("token"), "the address bar does not show the token");
   await wrong.close();
 
   const teacher = await open(browser, `${address}#token=right-token-0123`);
