@@ -164,6 +164,11 @@ test("a page that connects late shows the trails from the start", { skip }, asyn
   await late.received.until("the run", ({ snapshot }) => snapshot);
   await late.page.waitForFunction(() => globalThis.eyesim.view.trails.used > 0);
   assert.equal(await late.page.locator("#loading").count(), 0);
+  // A body that comes or goes changes the scene, and keeps the trails.
+  const action = { do: "add_object", kind: "Can", x_m: 0.3, y_m: 0.3, phi_rad: 0 };
+  await first.page.evaluate((action) => globalThis.eyesim.model.act({ command: "act", action }), action);
+  await late.received.until("a can", ({ scene }) => scene.objects.length === 1);
+  await late.page.waitForFunction(() => globalThis.eyesim.model.scene.objects.length === 1 && globalThis.eyesim.view.trails.used > 0);
   await late.close();
   await graphical.close();
   await first.close();

@@ -43,6 +43,8 @@ interface Contact {
 export class EventEffects {
   readonly radio = new THREE.Group();
   readonly contacts = new THREE.Group();
+  /** Called when a robot is placed elsewhere. */
+  onplaced: (robot: number, t_s: number) => void = () => {};
   private readonly arcs = new Pen("lines", { renderOrder: 9, depthTest: false });
   private readonly dots = new Pen("points", { size_px: 11, renderOrder: 10, depthTest: false });
   private readonly bursts = new Pen("triangles", { renderOrder: 8 });
@@ -98,9 +100,11 @@ export class EventEffects {
     this.outcomes.dispose();
   }
 
-  private take({ kind, robot, fields }: Event): void {
+  private take({ kind, robot, t_s, fields }: Event): void {
     const number = (key: string) => (typeof fields[key] === "number" ? fields[key] : null);
-    if (kind === "contact") {
+    if (kind === "placed" && robot !== null) {
+      this.onplaced(robot, t_s);
+    } else if (kind === "contact") {
       const [x_m, y_m] = [number("x_m"), number("y_m")];
       if (x_m === null || y_m === null) return;
       if (this.recentContacts.length === MAX_CONTACTS) this.recentContacts.shift();

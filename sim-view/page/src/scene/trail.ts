@@ -1,6 +1,7 @@
 // Trails of robots: ribbons on the floor, of bounded length.
 
 import * as THREE from "three";
+import type { Event } from "../protocol";
 import type { Bodies, BodyView } from "./bodies";
 
 /** Maximum number of pieces of ribbon of all robots together; new pieces replace the oldest ones. */
@@ -14,7 +15,7 @@ const FASTEST_M_PER_S = 3;
 /** Longest time between two frames over which the path is interpolated. */
 const BLINK_S = 0.5;
 
-/** Trails of a run so far: for each robot its lines, of points in metres. */
+/** Trails of a run so far: for each robot, in order of their numbers, its lines, of points in metres. */
 export interface TrailsBefore {
   run: number;
   trails: [number, number][][][];
@@ -35,8 +36,11 @@ export class Trails {
   readonly group = new THREE.Group();
   private readonly positions = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
   private readonly colours = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
-  /** Number of the run whose ribbons are drawn. */
-  private run = 0;
+  /** Number of calls of `join`: the answer to an earlier call is dropped. */
+  private joins = 0;
+  /** By robot number: displayed times between which its ribbon is interrupted, since the robot is placed elsewhere. */
+  private readonly cuts = new Map<number, [from_s: number, until_s: number][]>();
+  private recorded: readonly Event[] = [];
   private readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial>;
   private next = 0;
   private used = 0;
@@ -66,13 +70,13 @@ export class Trails {
     this.rebuild();
   }
 
-  /** Restarts the ribbons with the trails so far, for a run that the page shows from the middle on. */
+  /** Adds the trails so far to the ribbons, which begin now. */
   async join(run: number): Promise<void> {
-    this.run = run;
+    const join = ++this.joins;
     const before = await this.before(run);
-    if (before?.run !== run || this.run !== run) return;
+    if (before?.run !== run || this.joins !== join) return;
     before.trails.forEach((lines, i) => {
-      const body = this.bodies.robots[i];
+      const body = this.bodies.robot(i + 1);
       if (!body) return;
       for (const line of lines) {
         for (let k = 1; k < line.length; k++) {
@@ -83,8 +87,25 @@ export class Trails {
     });
   }
 
+  /** Interrupts the ribbon of a robot from now to a displayed time, at which it has been placed elsewhere. */
+  interrupt(robot: number, until_s: number): void {
+    this.cuts.set(robot, [[this.t_s, until_s]]);
+  }
+
+  /** Interrupts the ribbons where robots are placed elsewhere in a recording. */
+  takeRecording(events: readonly Event[]): void {
+    if (events === this.recorded) return;
+    this.recorded = events;
+    this.cuts.clear();
+    for (const { kind, robot, t_s } of events) {
+      if (kind !== "placed" || robot === null) continue;
+      this.cuts.set(robot, [...(this.cuts.get(robot) ?? []), [t_s, t_s]]);
+    }
+  }
+
   /** Restarts all ribbons. */
   rebuild(): void {
+    this.t_s = 0;
     this.last = new Float64Array(3 * this.bodies.robots.length).fill(NaN);
     this.next = this.used = 0;
     this.mesh.geometry.setDrawRange(0, 0);
@@ -92,7 +113,8 @@ export class Trails {
 
   /** Extends the ribbons of robots that have moved; restarts them if time goes back. */
   update(t_s: number): void {
-    if (t_s < this.t_s) this.rebuild();
+    // The clock may go back to the start of a slot when the run pauses.
+    if (t_s < this.t_s - BLINK_S) this.rebuild();
     this.t_s = t_s;
     const { robots } = this.bodies;
     for (let i = 0; i < robots.length; i++) this.follow(robots[i]!, 3 * i);
@@ -111,7 +133,8 @@ export class Trails {
     if (distance < STEP * radius) return;
     const isPresent = body.isPresent && !body.held;
     const seen_s = Math.min(BLINK_S, this.t_s - last[i + 2]!);
-    if (isPresent && distance < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, x_m, y_m, dx, dy);
+    const isCut = this.cuts.get(body.id)?.some(([from_s, until_s]) => from_s <= this.t_s && last[i + 2]! <= until_s);
+    if (isPresent && !isCut && distance < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, x_m, y_m, dx, dy);
     last[i] = isPresent ? x_m : NaN;
     last[i + 1] = y_m;
     last[i + 2] = this.t_s;

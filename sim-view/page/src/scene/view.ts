@@ -145,7 +145,13 @@ export class View {
     model.subscribe("layer", program);
     model.subscribe("chosen", program);
     model.subscribe("selected", stale);
-    model.subscribe("player", stale);
+    model.subscribe("player", () => {
+      if (model.player) this.trails.takeRecording(model.player.events);
+      stale();
+    });
+    this.effects.onplaced = (robot, t_s) => {
+      if (!model.player) this.trails.interrupt(robot, Math.max(t_s, model.snapshot?.t_s ?? 0));
+    };
     model.subscribe("events", () => {
       this.effects.takeEvents();
       stale();
@@ -167,10 +173,8 @@ export class View {
     this.scene.add(this.world.group);
     this.marks.rebuild();
     this.trails.rebuild();
-    if (this.lastRun !== scene.run) {
-      this.marks.restart();
-      void this.trails.join(scene.run);
-    }
+    void this.trails.join(scene.run);
+    if (this.lastRun !== scene.run) this.marks.restart();
     this.lastRun = scene.run;
     this.beams.rebuild();
     this.effects.rebuild();
