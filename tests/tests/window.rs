@@ -265,6 +265,25 @@ fn a_run_pauses_steps_and_changes_its_speed() {
 }
 
 #[test]
+fn a_run_skips_to_a_time_and_is_shown_meanwhile() {
+    let scratch = scene_of(&[("rover.c", ROVER), ("waiter.c", WAITER)]);
+    write_scene(&scratch, &["waiter.c"]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--at", "5.01"]);
+    let mut page = served.page();
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    assert_eq!(page.t_s(), 5.05, "an idle run also gets there");
+    drop(served);
+    write_scene(&scratch, &["rover.c"]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--at", "1e8"]);
+    let mut page = served.page();
+    page.until("the run", |page| page.state() == Some(&RunState::Running) && page.t_s() > 1.0);
+    assert_eq!(page.act(Action::Press { robot: 1, key: "KEY1".into() }), None);
+    assert_eq!(page.ask(Command::Pause {}), None);
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    assert!(page.t_s() < 1e8);
+}
+
+#[test]
 fn a_key_of_the_page_reaches_the_program() {
     let scratch = scene_of(&[("waiter.c", WAITER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);

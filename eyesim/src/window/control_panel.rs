@@ -86,13 +86,13 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
             pending.accept();
         }
         Command::Pause {} => {
-            control.update(|requests| requests.is_paused = true);
+            control.update(|requests| (requests.is_paused, requests.skip_to) = (true, None));
             pending.accept();
         }
         Command::Step {} => {
             let is_over = control.update(|requests| {
                 if !requests.is_over {
-                    (requests.is_paused, requests.steps) = (true, requests.steps + 1);
+                    (requests.is_paused, requests.skip_to, requests.steps) = (true, None, requests.steps + 1);
                 }
                 requests.is_over
             });

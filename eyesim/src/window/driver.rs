@@ -41,6 +41,8 @@ pub struct Driver {
     show: Arc<Mutex<Show>>,
     is_paused: bool,
     speed: Option<f64>,
+    /// Time to which the run advances at full speed; until then it has neither a pace nor pauses.
+    skip_to: Option<Time>,
     /// Wall-clock and simulated time at which the current pace began.
     anchor: Option<(Instant, Time)>,
     /// Simulated time that the run has reached.
@@ -60,6 +62,7 @@ impl Driver {
             show,
             is_paused: false,
             speed: None,
+            skip_to: None,
             anchor: None,
             now: Time::ZERO,
             has_unshown_change: true,
@@ -76,8 +79,11 @@ impl Driver {
     /// Applies the requested pace and pause; returns the other requests.
     fn take_requests(&mut self) -> TakenRequests {
         let mut requests = self.control.requests();
-        if (self.is_paused, self.speed) != (requests.is_paused, requests.speed) {
-            (self.is_paused, self.speed) = (requests.is_paused, requests.speed);
+        self.skip_to = requests.skip_to;
+        let (is_paused, speed) =
+            if self.skip_to.is_some() { (false, None) } else { (requests.is_paused, requests.speed) };
+        if (self.is_paused, self.speed) != (is_paused, speed) {
+            (self.is_paused, self.speed) = (is_paused, speed);
             self.anchor = None;
             self.has_unshown_change = true;
         }
@@ -142,18 +148,13 @@ impl Driver {
         if self.is_paused || self.speed.is_some() {
             run.advance_to(next + Time(1))
         } else {
-            run.advance_within(Time::NEVER, CHECK_INTERVAL)
+            run.advance_within(self.skip_to.unwrap_or(Time::NEVER), CHECK_INTERVAL)
         }
     }
 
     /// Waits until a slot is due or requested, or an intervention is pending. Then runs slots or applies the
     /// interventions.
     fn advance(&mut self, run: &mut Scheduler) -> Progress {
-        let skip_to = self.control.requests().skip_to.take();
-        if let Some(time) = skip_to {
-            self.has_unshown_change = true;
-            return run.advance_to(time);
-        }
         let boundary @ Boundary { limit, slot, .. } = run.boundary();
         let next = boundary.next_within_limit();
         self.now = self.now.max(boundary.following);
@@ -167,6 +168,15 @@ impl Driver {
                 return self.apply(run, requests.actions);
             }
             let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(run);
+            if let Some(time) = self.skip_to.filter(|time| next.is_none_or(|next| next >= *time)) {
+                if !is_over {
+                    // The first slot that does not begin before `time`, or the last one before the limit.
+                    let start = (time + slot - Time(1)).min(limit - Time(1)).floor_to(slot);
+                    self.now = self.now.max(start);
+                }
+                self.control.update(|requests| requests.skip_to = None);
+                continue;
+            }
             let is_idle = next.is_none();
             let may_show = self.next_update.is_none_or(|instant| instant <= Instant::now());
             if self.has_unshown_change
