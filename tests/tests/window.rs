@@ -418,16 +418,19 @@ fn a_run_with_thirty_interventions_is_run_again_with_the_same_digest() {
     scratch.write("now.scene.toml", &scene);
     let checked = scratch.eyesim(&["check", "now.scene.toml"]);
     assert_eq!(checked.code, Some(0), "{checked:#?}\n{scene}");
+    assert_eq!(page.act(Action::RemoveRobot { robot: 2 }), None);
+    page.until("one robot", |page| page.scene.as_ref().is_some_and(|scene| scene.robots.len() == 1));
     assert_eq!(page.act(Action::End {}), None);
     page.until("the end", |page| page.digest().is_some());
     let trace = String::from_utf8(served.get("/files/trace.jsonl")).expect("text");
-    assert_eq!(trace.lines().filter(|line| line.contains("\"event\":\"intervention\"")).count(), 31);
+    assert_eq!(trace.lines().filter(|line| line.contains("\"event\":\"intervention\"")).count(), 32);
     scratch.write("trace.jsonl", &trace);
     let verified = scratch.eyesim(&["replay", "trace.jsonl", "--verify"]);
     assert_eq!(verified.code, Some(0), "{verified:#?}");
     assert!(verified.stdout.contains(&page.digest().expect("a digest")), "{verified:#?}");
     let recording: Recording = serde_json::from_slice(&served.get("/files/run.recording.json")).expect("a recording");
     assert_eq!((recording.robots.len(), Some(recording.digest)), (2, page.digest()));
+    assert!(recording.robots[1].track.until_s.is_some(), "it was there before it was removed");
 }
 
 #[test]

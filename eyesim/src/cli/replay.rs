@@ -14,7 +14,6 @@ use glam::DVec2;
 use parking_lot::Mutex;
 use sim_core::build;
 use sim_core::record::{Action, Digest, KindSet, Record, digest};
-use sim_core::spec::{ObjectSpec, RobotSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_host::executive::dispatcher::EndReason;
@@ -120,9 +119,9 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let remarks = remarks(recorded, &current_inputs(recorded, args.archive.as_ref()));
     remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
-    let mut robots: Vec<RobotInput> = spec.robots.iter().map(robot_input).collect();
-    let mut objects: Vec<ObjectInput> =
-        (1..).map(ObjectId).zip(build::movable_objects(&spec)).map(object_input).collect();
+    let mut robots: Vec<RobotInput> = spec.robots.iter().map(RobotInput::at_start).collect();
+    let objects = (1..).map(ObjectId).zip(build::movable_objects(&spec));
+    let mut objects: Vec<ObjectInput> = objects.map(|(id, spec)| ObjectInput::at_start(id, spec)).collect();
     let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
@@ -153,20 +152,6 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         workshop: AddableTypes::default(),
     };
     Ok(recording(TraceReader::open(trace)?, input.scene(), &spec, remarks)?)
-}
-
-fn robot_input(spec: &RobotSpec) -> RobotInput {
-    RobotInput {
-        id: spec.id,
-        robi: Arc::clone(&spec.robi),
-        program: spec.program_name().to_owned(),
-        position: spec.start.position,
-        has_colours: spec.api.or(spec.dialect) == Some(7),
-    }
-}
-
-fn object_input((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
-    ObjectInput { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
 /// Current versions of the files that determined the run, some of them in an archive.

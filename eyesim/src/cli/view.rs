@@ -309,11 +309,10 @@ impl Session {
         self.window.offer(
             "run.recording.json",
             Download::new("application/json", move || {
-                let scene = recorded_show.lock().scene().ok_or("no page has looked at the run yet")?;
+                let scene = Show::recorded_scene(&recorded_show);
                 let trace = trace()?;
                 let reader = TraceReader::new(&*trace, Path::new("trace.jsonl")).map_err(|error| error.to_string())?;
-                let recording =
-                    recording(reader, (*scene).clone(), &spec, Vec::new()).map_err(|error| error.to_string())?;
+                let recording = recording(reader, scene, &spec, Vec::new()).map_err(|error| error.to_string())?;
                 serde_json::to_vec(&recording).map_err(|error| error.to_string())
             }),
         );

@@ -8,7 +8,7 @@ use glam::DVec2;
 use sim_core::build;
 use sim_core::camera::{self, Attachment, Label, Scenery};
 use sim_core::pose::Link;
-use sim_core::spec::{ObjectType, RobiSpec, SceneSpec};
+use sim_core::spec::{ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
 use sim_host::record::mcap::scene::point;
@@ -39,6 +39,7 @@ pub struct SceneInput<'a> {
 }
 
 /// A robot.
+#[derive(Clone)]
 pub struct RobotInput {
     /// Its number.
     pub id: RobotId,
@@ -53,6 +54,7 @@ pub struct RobotInput {
 }
 
 /// A movable object.
+#[derive(Clone)]
 pub struct ObjectInput {
     /// Its number.
     pub id: ObjectId,
@@ -60,6 +62,26 @@ pub struct ObjectInput {
     pub kind: Arc<ObjectType>,
     /// Position in the world frame, in metres.
     pub position: DVec2,
+}
+
+impl RobotInput {
+    /// The robot of `spec` at its start.
+    pub fn at_start(spec: &RobotSpec) -> Self {
+        Self {
+            id: spec.id,
+            robi: Arc::clone(&spec.robi),
+            program: spec.program_name().to_owned(),
+            position: spec.start.position,
+            has_colours: spec.api.or(spec.dialect) == Some(7),
+        }
+    }
+}
+
+impl ObjectInput {
+    /// The object of `spec` at its start.
+    pub fn at_start(id: ObjectId, spec: &ObjectSpec) -> Self {
+        Self { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
+    }
 }
 
 impl SceneInput<'_> {

@@ -33,8 +33,10 @@ pub struct Show {
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
     tally: Option<Arc<Mutex<Tally>>>,
-    /// The scene that pages received last, and the bodies in it.
-    bodies: Option<(BodySet, Arc<Scene>)>,
+    /// The bodies in the scene that pages received last.
+    bodies: Option<BodySet>,
+    /// All bodies of the run so far, including removed ones, at their starts.
+    roster: (Vec<RobotInput>, Vec<ObjectInput>),
     /// Poses of the bodies when the run was shown last.
     body_poses: BodyPoses,
     /// Robots whose details pages request.
@@ -104,9 +106,22 @@ impl Show {
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         window.begin_run(run);
-        let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
-        let layers = ShownLayers::default();
-        Self { window, run, seed, slot, spec, scenery, feed, tally, bodies, body_poses, looks, details, layers }
+        Self {
+            window,
+            run,
+            seed,
+            slot,
+            spec,
+            scenery,
+            feed,
+            tally,
+            bodies: None,
+            roster: Default::default(),
+            body_poses: BodyPoses::default(),
+            looks: Vec::new(),
+            details: Details::default(),
+            layers: ShownLayers::default(),
+        }
     }
 
     /// Shows the run; if no page is connected, only events are kept, for later pages.
@@ -114,6 +129,7 @@ impl Show {
         let Moment { run, world, now, state, speed, rate, ends, results } = moment;
         self.update_looks(run);
         self.body_poses = body_poses(run, world);
+        self.update_roster(run);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
             self.window.add_events(events);
@@ -121,7 +137,7 @@ impl Show {
         }
         self.set_scene(run, world);
         self.window.add_events(events);
-        let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
+        let Some(BodySet { robots, objects }) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
         let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
         let selected: Vec<RobotId> = selected.collect();
@@ -191,7 +207,7 @@ impl Show {
     /// Shows the scene if pages have not received it or if bodies were added or removed.
     fn set_scene(&mut self, run: &Run, world: &World) {
         let bodies = BodySet::of(world);
-        if self.bodies.as_ref().is_some_and(|(shown, _)| *shown == bodies) {
+        if self.bodies.as_ref() == Some(&bodies) {
             return;
         }
         let spawner = run.spawner();
@@ -220,14 +236,34 @@ impl Show {
             objects: bodies.objects.iter().map(object).collect(),
             workshop: addable_types(spawner.roster()),
         };
-        let scene = input.scene();
-        self.window.show_scene(scene.clone());
-        self.bodies = Some((bodies, Arc::new(scene)));
+        self.window.show_scene(input.scene());
+        self.bodies = Some(bodies);
     }
 
-    /// The scene that pages received last; none before the first page.
-    pub fn scene(&self) -> Option<Arc<Scene>> {
-        self.bodies.as_ref().map(|(_, scene)| Arc::clone(scene))
+    /// Adds new bodies to the roster.
+    fn update_roster(&mut self, run: &Run) {
+        let spawner = run.spawner();
+        let (robots, objects) = (spawner.roster().robots(), spawner.roster().objects());
+        if (self.roster.0.len(), self.roster.1.len()) == (robots.len(), objects.len()) {
+            return;
+        }
+        let robot = |spec| {
+            let robot = RobotInput::at_start(spec);
+            RobotInput { has_colours: run.robot(robot.id).robios.screen.is_some(), ..robot }
+        };
+        let objects = (1..).map(ObjectId).zip(objects);
+        self.roster =
+            (robots.iter().map(robot).collect(), objects.map(|(id, spec)| ObjectInput::at_start(id, spec)).collect());
+    }
+
+    /// Scene with all bodies of the run so far, including removed ones. The run goes on while it is built.
+    pub fn recorded_scene(show: &Mutex<Self>) -> Scene {
+        let show = show.lock();
+        let (run, seed, slot, (robots, objects)) = (show.run, show.seed, show.slot, show.roster.clone());
+        let (spec, scenery) = (Arc::clone(&show.spec), Arc::clone(&show.scenery));
+        drop(show);
+        let (spec, scenery, workshop) = (&*spec, &*scenery.get(), AddableTypes::default());
+        SceneInput { run, seed, slot, spec, scenery, robots, objects, workshop }.scene()
     }
 
     /// Types and poses of the bodies when the run was shown last.
