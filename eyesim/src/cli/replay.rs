@@ -125,12 +125,15 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
-            Action::AddRobot { kind, x_m, y_m, .. } => {
+            Action::AddRobot { kind, program_of, x_m, y_m, .. } => {
                 let robi = roster.robot_types.find(kind)?;
                 let id = RobotId::from_index(robots.len());
                 scenery.add(SpawnedEntity::Robot(id, Arc::clone(&robi)));
                 let position = DVec2::new(*x_m, *y_m);
-                robots.push(RobotInput { id, robi, program: String::new(), position, has_colours: false });
+                let model = robots.iter().find(|robot| Some(robot.id.0) == *program_of);
+                let (program, has_colours) =
+                    model.map(|model| (model.program.clone(), model.has_colours)).unwrap_or_default();
+                robots.push(RobotInput { id, robi, program, position, has_colours });
             }
             Action::AddObject { kind, x_m, y_m, .. } => {
                 let kind = roster.object_types.find(kind)?;

@@ -48,7 +48,7 @@ pub fn recording<R: BufRead>(
     let slot = Time(trace.header().slot_us).seconds();
     let mut builder = RecordingBuilder {
         slot,
-        robots: scene.robots.iter().map(|robot| (robot.id, RobotHistoryBuilder::default())).collect(),
+        robots: scene.robots.iter().map(|robot| (robot.id, RobotHistoryBuilder::of(robot))).collect(),
         objects: scene.objects.iter().map(|object| (object.id, TrackBuilder::default())).collect(),
         events: Vec::new(),
         counts_by_kind: BTreeMap::new(),
@@ -198,6 +198,11 @@ struct RobotHistoryBuilder {
 }
 
 impl RobotHistoryBuilder {
+    fn of(robot: &sim_view::protocol::Robot) -> Self {
+        let display = DisplayHistory { is_large: robot.lcd.has_colours, ..DisplayHistory::default() };
+        Self { display, ..Self::default() }
+    }
+
     fn add_event(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
         let mut add_standing =
             |standing| self.standings.push(StandingChange { t_s: round(t_s, 1e6), standing, why: String::new() });
@@ -248,6 +253,9 @@ struct DisplayHistory {
     classic: Lcd,
     /// Lines of a display that is larger than the classic one.
     lines: Vec<String>,
+    /// Texts of its menu.
+    menu: [String; 4],
+    /// True for the display of RoBIOS-7, or once a text does not fit on the classic one.
     is_large: bool,
     display_changes: Vec<DisplayChange>,
     /// Minimum time between two contents, in seconds.
@@ -264,8 +272,14 @@ impl DisplayHistory {
                 self.classic.clear();
                 self.lines.clear();
             }
-            // A position beyond the menu is ignored.
-            "lcd_menu" => drop(self.classic.set_menu(number("position") as i32, text.as_bytes())),
+            "lcd_menu" => {
+                let position = number("position");
+                // A position beyond the menu is ignored.
+                _ = self.classic.set_menu(position as i32, text.as_bytes());
+                if let Some(entry) = position.checked_sub(1).and_then(|index| self.menu.get_mut(index)) {
+                    *entry = text.replace('\n', " ");
+                }
+            }
             _ => return,
         }
         self.show(t_s);
@@ -290,7 +304,7 @@ impl DisplayHistory {
     }
 
     fn show(&mut self, t_s: f64) {
-        let lines = if self.is_large { self.lines.clone() } else { self.classic.lines().to_vec() };
+        let lines = if self.is_large { self.large_lines() } else { self.classic.lines().to_vec() };
         self.period = self.period.max(DISPLAY_PERIOD);
         match self.display_changes.last_mut() {
             Some(last) if t_s - last.t_s < self.period => last.lines = lines,
@@ -306,6 +320,13 @@ impl DisplayHistory {
                 is_kept
             });
         }
+    }
+
+    /// Lines of text as on the display of RoBIOS-7; the last one is the menu, and empty without a menu.
+    fn large_lines(&self) -> Vec<String> {
+        let has_menu = self.menu.iter().any(|text| !text.is_empty());
+        let menu = if has_menu { self.menu.join(" | ").trim_end().to_owned() } else { String::new() };
+        self.lines.iter().cloned().chain([menu]).collect()
     }
 
     fn finish(self) -> Vec<DisplayChange> {
@@ -407,4 +428,23 @@ impl TrackBuilder {
 /// Rounds to a multiple of 1 / `steps`, for short texts.
 fn round(number: f64, steps: f64) -> f64 {
     (number * steps).round() / steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn large_display_has_long_lines_and_a_menu() {
+        let mut display = DisplayHistory { is_large: true, ..DisplayHistory::default() };
+        display.add_event(0.0, "lcd_text", &json!({"row": 0, "column": 0, "text": "wider than 16 columns"}));
+        for (position, text) in [(1, "GO"), (3, "STOP"), (5, "none")] {
+            display.add_event(1.0, "lcd_menu", &json!({"position": position, "text": text}));
+        }
+        display.add_event(2.0, "lcd_clear", &json!({}));
+        let changes = display.finish();
+        let lines: Vec<_> = changes.iter().map(|change| change.lines.join("/")).collect();
+        assert_eq!(lines, ["wider than 16 columns/", "wider than 16 columns/GO |  | STOP |", "GO |  | STOP |"]);
+    }
 }
