@@ -88,6 +88,7 @@ function showPicture(picture: HTMLImageElement, text: HTMLElement, detail: Detai
 export function menuOf(lines: readonly string[], hasColours: boolean): string[] {
   const last = lines.at(-1) ?? "";
   if (!hasColours) return [0, 4, 8, 12].map((at) => last.slice(at, at + 4).trim());
-  const texts = last.split(" | ");
+  // The server has cut the blank before an empty last text.
+  const texts = `${last} `.split(" | ");
   return texts.length === KEYS.length ? texts.map((text) => text.trim()) : [];
 }
