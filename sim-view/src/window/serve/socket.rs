@@ -21,6 +21,8 @@ const WRONG_TOKEN_DELAY: Duration = Duration::from_millis(500);
 const PING_INTERVAL: Duration = Duration::from_secs(5);
 /// Time after which a page that reads or sends nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
+/// Speed of reading with which a page is not disconnected while it receives a long message.
+const MIN_BYTES_PER_SECOND: u64 = 10_000;
 /// Minimum time between two updates of a page: 60 a second.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(16);
 /// Rate limit of a page's messages: on average one per `READ_INTERVAL` (200 a second), with bursts that exceed this
@@ -162,12 +164,18 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
 }
 
 async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Result<(), End> {
-    send_frame(socket, Frame::Text(text)).await
+    let limit = send_timeout(text.len());
+    send_frame(socket, Frame::Text(text), limit).await
 }
 
-async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
+async fn send_frame(socket: &mut WebSocket, frame: Frame, limit: Duration) -> Result<(), End> {
     // A page that reads nothing would not receive a close frame either.
-    timeout(STALL_TIMEOUT, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
+    timeout(limit, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
+}
+
+/// Time limit for sending a message of this length.
+fn send_timeout(bytes: usize) -> Duration {
+    STALL_TIMEOUT + Duration::from_secs(bytes as u64 / MIN_BYTES_PER_SECOND)
 }
 
 /// A connection to a page after its `hello`.
@@ -211,9 +219,12 @@ impl PageConnection<'_> {
             let now = Instant::now();
             tokio::select! {
                 Ok(()) = changes.changed(), if now >= next_update => {
+                    let start = Instant::now();
                     for text in self.sent.new_messages(&self.server.hub, self.look) {
                         send(socket, text).await?;
                     }
+                    // While the server writes, it does not hear the page.
+                    last_heard += start.elapsed();
                     next_update = now + UPDATE_INTERVAL;
                 }
                 () = sleep_until(next_update), if now < next_update => {}
@@ -235,7 +246,7 @@ impl PageConnection<'_> {
                     if last_heard.elapsed() > STALL_TIMEOUT {
                         return Err(None);
                     }
-                    send_frame(socket, Frame::Ping(Vec::new().into())).await?;
+                    send_frame(socket, Frame::Ping(Vec::new().into()), STALL_TIMEOUT).await?;
                 }
             }
         }
