@@ -160,9 +160,10 @@ impl Window {
     }
 
     /// Adds events; the last 20,000 of the run are kept for pages that connect later. Events of kind `call` go only to
-    /// pages that request the calls of this robot.
-    pub fn add_events(&self, events: Vec<Event>) {
-        self.hub.add_events(events);
+    /// pages that request the calls of this robot. `omitted` is the number of events left out of `events`; pages count
+    /// them as missed.
+    pub fn add_events(&self, events: Vec<Event>, omitted: u32) {
+        self.hub.add_events(events, omitted);
     }
 
     /// Shows the progress of building the programs.

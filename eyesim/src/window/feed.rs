@@ -21,6 +21,8 @@ const MAX_EVENTS: usize = 200;
 #[derive(Default)]
 pub struct Feed {
     events: Vec<protocol::Event>,
+    /// Number of events omitted since the last call of [`Feed::take_events`].
+    omitted: u32,
     /// Number of events so far, including the omitted ones.
     count: u32,
     readings: BTreeMap<RobotId, BTreeMap<String, Value>>,
@@ -35,9 +37,9 @@ struct Value {
 }
 
 impl Feed {
-    /// Takes the events since the last call.
-    pub fn take_events(&mut self) -> Vec<protocol::Event> {
-        take(&mut self.events)
+    /// Takes the events since the last call, and the number of omitted ones.
+    pub fn take_events(&mut self) -> (Vec<protocol::Event>, u32) {
+        (take(&mut self.events), take(&mut self.omitted))
     }
 
     /// Latest readings and commands of the program of a robot.
@@ -156,6 +158,8 @@ impl Sink for Feed {
             self.count += 1;
             if self.events.len() < MAX_EVENTS {
                 self.events.push(page_event(self.count, record));
+            } else {
+                self.omitted += 1;
             }
         }
         Ok(())
@@ -359,10 +363,11 @@ mod tests {
         feed.record(&record(Event::Key { key: "KEY1" })).expect("the feed accepts every record");
         let readings = feed.readings(RobotId(2));
         assert_eq!((readings.len(), readings[0].value, readings[0].at_s), (1, None, 1.5), "the last one");
-        let events = feed.take_events();
+        let (events, omitted) = feed.take_events();
+        assert_eq!(omitted, 0);
         assert_eq!((events.len(), events[0].number, &*events[0].text), (1, 1, "takes KEY1"));
         assert_eq!(events[0].fields, serde_json::json!({"key": "KEY1"}));
-        assert!(feed.take_events().is_empty() && feed.readings(RobotId(1)).is_empty());
+        assert!(feed.take_events().0.is_empty() && feed.readings(RobotId(1)).is_empty());
     }
 
     #[test]
@@ -371,9 +376,11 @@ mod tests {
         for _ in 0..MAX_EVENTS + 5 {
             feed.record(&record(Event::Beep {})).expect("the feed accepts every record");
         }
-        assert_eq!(feed.take_events().len(), MAX_EVENTS);
+        let (events, omitted) = feed.take_events();
+        assert_eq!((events.len(), omitted), (MAX_EVENTS, 5));
         feed.record(&record(Event::Beep {})).expect("the feed accepts every record");
-        assert_eq!(feed.take_events()[0].number as usize, MAX_EVENTS + 6);
+        let (events, omitted) = feed.take_events();
+        assert_eq!((events[0].number as usize, omitted), (MAX_EVENTS + 6, 0));
     }
 
     #[test]

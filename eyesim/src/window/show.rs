@@ -130,13 +130,13 @@ impl Show {
         self.update_looks(run);
         self.body_poses = body_poses(run, world);
         self.update_roster(run);
-        let events = self.feed.lock().take_events();
+        let (events, omitted) = self.feed.lock().take_events();
         if !self.window.has_pages() {
-            self.window.add_events(events);
+            self.window.add_events(events, omitted);
             return;
         }
         self.set_scene(run, world);
-        self.window.add_events(events);
+        self.window.add_events(events, omitted);
         let Some(BodySet { robots, objects }) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
         let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));

@@ -40,6 +40,8 @@ export interface Player {
   readonly speed: number;
   /** All events of the recording. */
   readonly events: readonly Event[];
+  /** Number of events that the recording omits. */
+  readonly eventsLeftOut: number;
   play(): void;
   pause(): void;
   setSpeed(speed: number): void;

@@ -49,6 +49,10 @@ export class RecordedSource implements Source, Player {
     return this.recording.events;
   }
 
+  get eventsLeftOut(): number {
+    return this.recording.events_left_out;
+  }
+
   play(): void {
     if (this.t_s >= this.duration_s) this.seek(0);
     this.isPlaying = true;

@@ -147,8 +147,8 @@ test("a page that reconnects discards what it had", { skip }, async () => {
   await shown("8 of 8 events");
   mock.cut();
   await received.until("another welcome", ({ welcomes }) => welcomes.length === 2);
-  mock.send({ type: "events", ...events(8) });
-  await shown("8 of 8 events");
+  mock.send({ type: "events", ...events(8), missed: 3 });
+  await shown("8 of 8 events, 3 more left out");
   assert.equal(await page.evaluate(() => globalThis.eyesim.model.history.size), 0);
 });
 

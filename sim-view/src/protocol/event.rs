@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Events {
     /// Events in order.
     pub events: Vec<Event>,
-    /// Number of earlier events that the page misses because it was too slow or connected too late.
+    /// Number of other events that the page misses: it was too slow or connected too late, or too many happened at once.
     pub missed: u32,
 }
 

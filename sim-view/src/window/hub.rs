@@ -87,6 +87,8 @@ struct State {
     events: VecDeque<Arc<CachedText<Event>>>,
     /// Number of events that the ring buffer has dropped since the run began.
     dropped_count: u64,
+    /// Number of events since the run began that the simulation has omitted.
+    omitted_count: u64,
 }
 
 impl State {
@@ -191,8 +193,9 @@ impl Hub {
         self.changed.send_replace(());
     }
 
-    pub(super) fn add_events(&self, events: Vec<Event>) {
+    pub(super) fn add_events(&self, events: Vec<Event>, omitted: u32) {
         let mut state = lock(&self.state);
+        state.omitted_count += u64::from(omitted);
         for event in events {
             if state.events.len() == MAX_EVENTS {
                 state.events.pop_front();
@@ -350,8 +353,10 @@ pub(super) struct SentVersions {
     lcd: Option<(u32, u64)>,
     /// Version of the newest layer sent of the selected robot.
     layer: u64,
-    /// Number of events of the run that the page has received or missed.
+    /// Number of events of the run that the page has received or missed, without the omitted ones.
     events: u64,
+    /// Number of omitted events of the run that the page knows of.
+    omitted: u64,
 }
 
 impl SentVersions {
@@ -373,7 +378,7 @@ impl SentVersions {
     fn collect(&mut self, state: &State, look: Option<Look>) -> Vec<NewMessage> {
         let mut messages = Vec::new();
         if self.run != state.run {
-            (self.run, self.events) = (state.run, 0);
+            (self.run, self.events, self.omitted) = (state.run, 0, 0);
             self.forget_detail();
         }
         for (sent, current) in
@@ -406,7 +411,8 @@ impl SentVersions {
     }
 
     fn take_events(&mut self, state: &State, look: Option<Look>, messages: &mut Vec<NewMessage>) {
-        let mut missed = state.dropped_count.saturating_sub(self.events);
+        let mut missed = state.dropped_count.saturating_sub(self.events) + (state.omitted_count - self.omitted);
+        self.omitted = state.omitted_count;
         let first = usize::try_from(self.events.max(state.dropped_count) - state.dropped_count).unwrap_or(usize::MAX);
         let wanted: Vec<_> =
             state.events.iter().skip(first).filter(|event| is_wanted(&event.value, look)).cloned().collect();

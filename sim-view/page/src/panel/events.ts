@@ -26,8 +26,8 @@ export function eventsPanel(model: Model): HTMLElement {
     setOptions(robot, [["", "all robots"], ["chosen", "the chosen robot"], ["world", "the world"], ...[...names].map(([id, name]): [string, string] => [String(id), name])]);
     const visible = all.filter(isWanted);
     list.show(visible.map((event) => lineOf(event, names)));
-    const missed = model.missedEvents > 0 ? `, ${model.missedEvents} earlier ones left out` : "";
-    setText(count, `${visible.length} of ${all.length} events${missed}`);
+    const missed = model.player?.eventsLeftOut ?? model.missedEvents;
+    setText(count, `${visible.length} of ${all.length} events${missed > 0 ? `, ${missed} more left out` : ""}`);
   }
 
   function isWanted(event: Event): boolean {

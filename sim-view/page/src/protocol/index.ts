@@ -204,7 +204,7 @@ export type Event = {
 export type Events = {
   /** Events in order. */
   events: Array<Event>,
-  /** Number of earlier events that the page misses because it was too slow or connected too late. */
+  /** Number of other events that the page misses: it was too slow or connected too late, or too many happened at once. */
   missed: number, };
 
 /** A rectangle with one corner at the origin. */
