@@ -70,10 +70,18 @@ impl Details {
         Some(picture(canvas.size().map(|side| side as u32), canvas.pixels().as_flattened()))
     }
 
-    /// Noise-free picture of the camera of robot `id` now, or the last picture if it is younger than `CAMERA_PERIOD`.
-    /// None without a camera.
-    pub fn camera(&mut self, run: &Run, world: &World, id: RobotId, scenery: &LazyScenery) -> Option<Picture> {
-        if let Some((_, picture)) = self.cameras.get(&id).filter(|(rendered, _)| rendered.elapsed() < CAMERA_PERIOD) {
+    /// Noise-free picture of the camera of robot `id` now; while the run `goes_on`, the last picture if it is younger
+    /// than `CAMERA_PERIOD`. None without a camera.
+    pub fn camera(
+        &mut self,
+        run: &Run,
+        world: &World,
+        id: RobotId,
+        scenery: &LazyScenery,
+        goes_on: bool,
+    ) -> Option<Picture> {
+        let last = self.cameras.get(&id).filter(|(rendered, _)| goes_on && rendered.elapsed() < CAMERA_PERIOD);
+        if let Some((_, picture)) = last {
             return Some(picture.clone());
         }
         let image = self.render(&mut run.robot(id), world, scenery)?;

@@ -139,6 +139,8 @@ impl Show {
         self.window.add_events(events, omitted);
         let Some(BodySet { robots, objects }) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
+        // An idle run is shown again and again, as a running one.
+        let goes_on = matches!(state, RunState::Running | RunState::Idle);
         let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
         let selected: Vec<RobotId> = selected.collect();
         let others = robots.iter().copied().filter(|id| !selected.contains(id));
@@ -154,7 +156,7 @@ impl Show {
             checks: self.checks(run, now, results),
         };
         let details = self.looks.clone().into_iter().filter(|look| selected.contains(&RobotId(look.robot)));
-        let details = details.map(|look| self.detail(run, world, look, ends)).collect();
+        let details = details.map(|look| self.detail(run, world, look, ends, goes_on)).collect();
         self.window.show(snapshot, details);
         self.window.show_layers(self.layers.changed(run, selected.into_iter(), self.run, is_at_rest));
     }
@@ -271,11 +273,11 @@ impl Show {
         &self.body_poses
     }
 
-    fn detail(&mut self, run: &Run, world: &World, look: Look, ends: &[RobotEnd]) -> Detail {
+    fn detail(&mut self, run: &Run, world: &World, look: Look, ends: &[RobotEnd], goes_on: bool) -> Detail {
         let id = RobotId(look.robot);
         let panel = ends.get(id.index()).map(|end| end.panel.as_ref());
         let detail = self.details.robot(run, world, id, panel);
-        let camera = look.camera.then(|| self.details.camera(run, world, id, &self.scenery)).flatten();
+        let camera = look.camera.then(|| self.details.camera(run, world, id, &self.scenery, goes_on)).flatten();
         let mut readings = self.feed.lock().readings(id);
         let at = world.slot_start();
         let depth = run.robot(id).motion.depth(at);
