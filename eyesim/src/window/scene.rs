@@ -93,7 +93,7 @@ impl SceneInput<'_> {
         let parts =
             parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: attachment_of(part, &links) }).collect();
         let ground = self.scenery.ground().map(|ground| ground_of(ground, &mut surfaces));
-        let camera::Light { sun_direction, ambient, fill, diffuse, shadows } = *self.scenery.light();
+        let camera::Light { sun_direction, ambient, diffuse, shadows, .. } = *self.scenery.light();
         let camera::Sky { horizon, zenith } = *self.scenery.sky();
         protocol::Scene {
             run: self.run,
@@ -103,7 +103,7 @@ impl SceneInput<'_> {
             bounds_m: self.bounds().map(|corner| corner.to_array()),
             parts,
             ground,
-            light: protocol::Light { towards: sun_direction.to_array(), ambient: ambient + fill, diffuse, shadows },
+            light: protocol::Light { towards: sun_direction.to_array(), ambient, diffuse, shadows },
             sky: protocol::Sky { horizon, zenith },
             robots: self.robots.iter().map(robot_of).collect(),
             objects: self.objects.iter().map(object_of).collect(),
