@@ -56,6 +56,15 @@ impl ProgramSource {
         Self::Sources { files, hint: GenerationHint::default() }
     }
 
+    /// The files that are built or loaded; none for a Cargo package, which Cargo searches.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Sources { files, .. } => files.clone(),
+            Self::Library(path) | Self::Python(path) => vec![path.clone()],
+            Self::Embedded(_) | Self::Cargo(_) => Vec::new(),
+        }
+    }
+
     /// The path that represents the program in messages: the library, the first source, the package's folder, the
     /// Python file, or the reference of an embedded program.
     pub fn path(&self) -> &Path {

@@ -90,10 +90,8 @@ impl Prepared {
     /// The files that determine the program, for the list of a run's inputs.
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {
-            ProgramSource::Sources { files, .. } => files.clone(),
-            ProgramSource::Library(path) | ProgramSource::Python(path) => vec![path.clone()],
-            ProgramSource::Embedded(_) => Vec::new(),
             ProgramSource::Cargo(_) => self.image().map(|image| image.path().to_owned()).into_iter().collect(),
+            source => source.files(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use sim_core::spec::{RobotSpec, SceneSpec, Span, SpannedText};
@@ -38,6 +38,8 @@ pub struct ProgramsError {
     /// A message for each program, each message once. For a program that is not found, the message has the line of the
     /// sim file that names it.
     pub mistakes: Vec<String>,
+    /// Files of the programs that were found.
+    pub sources: Vec<PathBuf>,
 }
 
 impl Programs {
@@ -68,8 +70,12 @@ impl Programs {
                 }
             }));
         }
+        let failed = |mistakes: Vec<String>| ProgramsError {
+            mistakes,
+            sources: found.iter().flatten().flat_map(|found| found.source.files()).collect(),
+        };
         if !mistakes.is_empty() {
-            return Err(ProgramsError { mistakes });
+            return Err(failed(mistakes));
         }
         let mut prepared = prepare(builder, &found.iter().flatten().cloned().collect::<Vec<_>>()).into_iter();
         let mut of_robots = Vec::with_capacity(found.len());
@@ -97,7 +103,7 @@ impl Programs {
             }
         }
         if !mistakes.is_empty() {
-            return Err(ProgramsError { mistakes });
+            return Err(failed(mistakes));
         }
         Ok(Self { of_robots, remarks })
     }

@@ -454,6 +454,14 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
     let saved = std::time::Instant::now();
     page.until("the change", |page| page.run() == 3 && page.t_s() > 0.0);
     println!("a change of a C file drives in the window after {:.2} s", saved.elapsed().as_secs_f64());
+    // A program of a scene that has never run is watched, too.
+    let failures = |page: &Page| page.builds.iter().filter(|build| matches!(build, Build::Failed { .. })).count();
+    let before = failures(&page);
+    scratch.write("other.c", "int main(void) { retrun 0; }\n");
+    write_scene(&scratch, &["other.c"]);
+    page.until("the compiler's word", |page| failures(page) > before);
+    scratch.write("other.c", WAITER);
+    page.until("the run of the other program", |page| page.run() == 4 && page.state() == Some(&RunState::Idle));
 }
 
 #[test]

@@ -18,7 +18,7 @@ use sim_host::executive::interrupt::{self, Interrupt};
 use sim_host::executive::program::Exec;
 use sim_host::files::DiskFiles;
 use sim_host::launch::settings::TYPED;
-use sim_host::launch::{Error, Observers, Ready, Rejected};
+use sim_host::launch::{Error, Observers, Ready, Rejected, Scene};
 use sim_host::record::{EventStore, Sink, TraceReader, Trails};
 use sim_view::page::Page;
 use sim_view::protocol::{Build, RunState, Seed};
@@ -384,6 +384,7 @@ impl Session {
                 }
                 Err(error) => {
                     say(format_args!("error: {}", causes(&error)));
+                    session.files.lock().add(inputs_of_failed(&args, &error));
                     let output = match error.downcast_ref::<Error>() {
                         Some(Error::Rejected(rejected)) => full_message(rejected),
                         _ => causes(&error),
@@ -399,6 +400,17 @@ impl Session {
             self.window.build(Build::Failed { output: format!("no room for another thread: {error}") });
         }
     }
+}
+
+/// Files of a run that could not be prepared: those of its scene, and the sources of its programs.
+fn inputs_of_failed(args: &RunArgs, error: &anyhow::Error) -> Vec<PathBuf> {
+    let scene = Scene::open(&args.sim, args.options()).ok();
+    let files = scene.iter().flat_map(|scene| scene.inputs()).map(|input| PathBuf::from(&input.path));
+    let sources = match error.downcast_ref() {
+        Some(Error::Programs(error)) => &error.sources[..],
+        _ => &[],
+    };
+    files.chain(sources.iter().cloned()).collect()
 }
 
 /// Reason for rejecting a scene, with all its diagnostics, for a page.
@@ -491,6 +503,16 @@ impl WatchedFiles {
         for (path, last) in &mut self.0 {
             if let Some((_, known_state)) = known.iter().find(|(other, _)| other == path) {
                 *last = *known_state;
+            }
+        }
+    }
+
+    /// Adds the files that are not in the list yet.
+    fn add(&mut self, paths: Vec<PathBuf>) {
+        for path in paths {
+            if !self.0.iter().any(|(known, _)| *known == path) {
+                let state = file_state(&path);
+                self.0.push((path, state));
             }
         }
     }
