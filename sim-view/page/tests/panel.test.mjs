@@ -140,6 +140,27 @@ test("noise models are set by slider, by number and for all robots, and are rese
   assert.equal((await asked(2)).command.action.parameter, "psd.sigma_mm");
 });
 
+test("noise of all robots is reset by one command after the other", { skip }, async () => {
+  await unfold(page, "noise-panel");
+  for (const robot of [2, 1]) {
+    const seen = detail(robot, 1);
+    seen.noise[0].value = robot;
+    await page.evaluate((robot) => globalThis.eyesim.model.choose(robot), robot);
+    mock.send({ type: "detail", ...seen });
+    await page.waitForFunction((value) => document.querySelector("[data-testid='noise-psd.sigma_mm']")?.value === value, String(robot));
+  }
+  const values = () => mock.requests.flatMap(({ command }) => (command?.action?.do === "set_noise" ? [command.action] : []));
+  await control("noise-whom").selectOption("all");
+  await control("noise-reset").click();
+  await mock.request(({ command }) => command?.action?.robot === 2);
+  assert.deepEqual(values().map(({ robot }) => robot), [null, null, null, null, 2], "robot 2 had another value");
+  assert.deepEqual([values()[0], values()[4]].map(({ parameter, value }) => [parameter, value]), [["psd.sigma_mm", 1], ["psd.sigma_mm", 2]]);
+  mock.answers = () => "the run is over";
+  await control("noise-reset").click();
+  await control("notice").waitFor();
+  assert.equal(values().length, 6, "the first refusal ends it");
+});
+
 test("a page that reconnects discards what it had", { skip }, async () => {
   const shown = (text) => page.waitForFunction((text) => document.querySelector("[data-testid=events-count]").textContent === text, text);
   mock.send({ type: "events", ...events(8) });

@@ -112,17 +112,24 @@ export function noisePanel(model: Model): HTMLElement {
     row.slider.ariaValueText = `${tidy(value)} ${unit}`;
   }
 
-  function set(parameter: string, value: number): Promise<boolean> {
-    const robot = whom.value === "all" ? null : model.chosen;
+  function set(parameter: string, value: number, robot = whom.value === "all" ? null : model.chosen): Promise<boolean> {
     return act(model, { do: "set_noise", robot, parameter, value });
   }
 
-  function resetAll(): void {
-    const values = first.get(`${model.scene?.run} ${model.chosen}`);
-    for (const [name, { parameter }] of rows) {
-      const value = values?.get(name);
-      if (value !== undefined && (value !== parameter.value || whom.value === "all")) void set(name, value);
+  /** Resets the chosen robot, or all: each robot that the page has seen to its own values, the others to those of the chosen one. */
+  async function resetAll(): Promise<void> {
+    const { scene, chosen } = model;
+    const valuesOf = (robot: number | null) => first.get(`${scene?.run} ${robot}`) ?? new Map<string, number>();
+    const [isAll, values] = [whom.value === "all", valuesOf(chosen)];
+    const changes: [string, number, number | null][] = [];
+    for (const [name, value] of values) {
+      if (isAll) changes.push([name, value, null]);
+      else if (value !== rows.get(name)?.parameter.value) changes.push([name, value, chosen]);
     }
+    for (const { id } of isAll ? (scene?.robots ?? []) : [])
+      for (const [name, value] of valuesOf(id)) if (value !== values.get(name)) changes.push([name, value, id]);
+    // One after the other: the server refuses too many commands at once.
+    for (const change of changes) if (!(await set(...change))) return;
   }
 
   function allow(): void {
