@@ -161,6 +161,18 @@ test("noise of all robots is reset by one command after the other", { skip }, as
   assert.equal(values().length, 6, "the first refusal ends it");
 });
 
+test("what is no number is no speed", { skip }, async () => {
+  await control("speed-exact").click();
+  await page.keyboard.press("Control+A");
+  await page.keyboard.type("1e");
+  await page.keyboard.press("Enter");
+  assert.equal(await control("speed-exact").inputValue(), "1");
+  await control("speed-exact").fill("");
+  await control("speed-exact").press("Enter");
+  await mock.request(({ command }) => command?.command === "speed");
+  assert.equal(mock.requests.filter(({ command }) => command?.command === "speed").length, 1, "an empty field is one");
+});
+
 test("a page that reconnects discards what it had", { skip }, async () => {
   const shown = (text) => page.waitForFunction((text) => document.querySelector("[data-testid=events-count]").textContent === text, text);
   mock.send({ type: "events", ...events(8) });

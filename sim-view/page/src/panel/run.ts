@@ -19,7 +19,10 @@ export function runPanel(model: Model): HTMLElement {
   slider.oninput = () => (slider.ariaValueText = speedName(SPEEDS[slider.valueAsNumber] ?? null));
   slider.onchange = () => setSpeed(SPEEDS[slider.valueAsNumber] ?? null);
   const exact = numberField("speed-exact", { min: "0.001", placeholder: "max", ariaLabel: "Speed, exactly" });
-  exact.onchange = () => setSpeed(numberOf(exact) ?? null);
+  exact.onchange = () => {
+    if (exact.validity.badInput) exact.value = speedText();
+    else setSpeed(numberOf(exact) ?? null);
+  };
   const restart = button("Restart", "restart", () => start("same"), "With the same seed");
   const another = button("New seed", "restart-new", () => start("new"), "Restart with a new seed");
   const seed = element("input", { type: "text", inputMode: "numeric", pattern: "[0-9]{1,20}", testid: "seed", size: 8, required: true });
@@ -76,6 +79,10 @@ export function runPanel(model: Model): HTMLElement {
     player.seek(Math.min(player.duration_s, (Math.floor(clock.t_s / slot_s + 1e-6) + 1) * slot_s));
   }
 
+  function speedText(): string {
+    return String(model.snapshot?.speed ?? "");
+  }
+
   function setSpeed(factor: number | null): void {
     void send(model, { command: "speed", factor });
   }
@@ -97,7 +104,7 @@ export function runPanel(model: Model): HTMLElement {
     const { snapshot, scene } = model;
     setText(toggle, isOver() ? "Run again" : isRunning() ? "Pause" : "Run");
     const speed = snapshot?.speed ?? null;
-    setValue(exact, speed === null ? "" : String(speed));
+    setValue(exact, speedText());
     if (document.activeElement !== slider || slider.ariaValueText === null) {
       setValue(slider, String(nearest(speed)));
       slider.ariaValueText = speedName(speed);
