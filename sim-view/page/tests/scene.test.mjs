@@ -80,6 +80,13 @@ test("a click chooses a body, arrow keys move it", { skip }, async () => {
   await page.keyboard.press("Shift+ArrowRight");
   await page.keyboard.press("Shift+ArrowRight");
   await received.until("it has moved", () => Math.hypot(received.pose(OTHER).x_m - x_m, received.pose(OTHER).y_m - y_m) > 0.015);
+  // A body that keys have moved is placed although keys move another one before its time is up.
+  const before = [ROBOT, OTHER].map((id) => received.pose(id).phi_rad);
+  for (const id of [OTHER, ROBOT]) {
+    await page.evaluate((id) => globalThis.eyesim.model.choose(id), id);
+    await page.keyboard.press("[");
+  }
+  await received.until("both are turned", () => [ROBOT, OTHER].every((id, i) => Math.abs(received.pose(id).phi_rad - before[i]) > 0.08));
 });
 
 test("a picture of the view is saved", { skip }, async () => {

@@ -33,6 +33,8 @@ export class DragControl {
   private drag: Drag | null = null;
   private pressed: { x: number; y: number; pointer: number } | null = null;
   private resting = 0;
+  /** The body that keys have moved, until it is placed. */
+  private nudged: BodyView | null = null;
   private readonly ray = new THREE.Raycaster();
   private readonly spot = new THREE.Vector3();
   private readonly seen = new THREE.Vector3();
@@ -56,6 +58,7 @@ export class DragControl {
   /** Cancels all moves: dragged bodies return to their poses. */
   cancel(): void {
     clearTimeout(this.resting);
+    this.nudged = null;
     for (const body of this.bodies.all) body.held = null;
     this.drag = null;
     this.changed();
@@ -147,7 +150,9 @@ export class DragControl {
       body.what === "robot" ? { do: "place_robot", robot: body.id, ...pose } : { do: "place_object", object: body.id, ...pose },
     );
     const release = () => {
-      if (body.held === held) body.held = null;
+      // The user may have moved the body further in the meantime.
+      const isSame = body.held?.x_m === pose.x_m && body.held.y_m === pose.y_m && body.held.phi_rad === pose.phi_rad;
+      if (isSame) body.held = null;
       this.changed();
     };
     // The snapshot with the new pose follows the answer.
@@ -184,6 +189,8 @@ export class DragControl {
 
   private nudge(body: BodyView | undefined, x_m: number, y_m: number, phi_rad: number): void {
     if (!body?.isPresent || !this.model.mayAct) return;
+    if (this.nudged && this.nudged !== body) this.settle(this.nudged);
+    this.nudged = body;
     const held = (body.held ??= { ...body.pose });
     held.x_m += x_m;
     held.y_m += y_m;
@@ -195,6 +202,7 @@ export class DragControl {
 
   private settle(body: BodyView): void {
     clearTimeout(this.resting);
+    this.nudged = null;
     void this.place(body);
   }
 
