@@ -163,17 +163,18 @@ export class Beams {
     for (const { body, corners } of this.views) {
       if (!body.isPresent) continue;
       const isChosen = body.what === "robot" && body.id === this.model.chosen;
+      const { lift_m } = body.posture;
       const opacity = isChosen ? 0.9 : 0.4;
       for (let i = 0; i < 4; i++) {
         const ends = [0, 3 * (i + 1), 3 * (i + 1), 3 * (((i + 1) % 4) + 1)];
         for (const end of ends) {
           out(body, corners, end, at);
-          lines.to(at[0]!, at[1]!, at[2]!, VIEW, opacity);
+          lines.to(at[0]!, at[1]!, at[2]! + lift_m, VIEW, opacity);
         }
         if (!isChosen) continue;
         for (const end of [0, 3 * (i + 1), 3 * (((i + 1) % 4) + 1)]) {
           out(body, corners, end, at);
-          faces.to(at[0]!, at[1]!, at[2]!, VIEW, 0.1);
+          faces.to(at[0]!, at[1]!, at[2]! + lift_m, VIEW, 0.1);
         }
       }
     }

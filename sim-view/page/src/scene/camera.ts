@@ -281,6 +281,7 @@ export class ViewCamera {
     this.camera.position.set(mount[0], mount[1], mount[2]).applyQuaternion(this.heading);
     this.camera.position.x += pose.x_m;
     this.camera.position.y += pose.y_m;
+    this.camera.position.z += body.posture.lift_m;
     if (robot.camera) this.mountRotation.set(...robot.camera.mount.rotation);
     else this.mountRotation.identity();
     this.camera.quaternion.copy(this.heading).multiply(this.mountRotation).multiply(ROBOT_FROM_OPTICAL);

@@ -74,7 +74,7 @@ export class DragControl {
     const isTurning = selected !== undefined && this.isAtHandle(event);
     const body = isTurning ? selected : this.pick();
     if (!body || !this.model.mayAct) return;
-    const height_m = isTurning || event.shiftKey ? 0 : 0.5 * body.extent.height_m;
+    const height_m = isTurning || event.shiftKey ? 0 : body.posture.lift_m + 0.5 * body.extent.height_m;
     if (!this.onPlane(height_m, this.spot)) return;
     viewCamera.controls.enabled = false;
     this.surface.setPointerCapture(event.pointerId);
@@ -268,12 +268,13 @@ function hitCylinder(origin: THREE.Vector3, direction: THREE.Vector3, body: Body
   const a = direction.x ** 2 + direction.y ** 2;
   const b = dx * direction.x + dy * direction.y;
   const c = dx ** 2 + dy ** 2 - radius ** 2;
+  const [bottom_m, top_m] = [body.posture.lift_m, body.posture.lift_m + body.extent.height_m];
   // Hit on the top, from above.
-  const top = (body.extent.height_m - origin.z) / direction.z;
+  const top = (top_m - origin.z) / direction.z;
   if (top > 0 && (dx + top * direction.x) ** 2 + (dy + top * direction.y) ** 2 <= radius ** 2) return top;
   const root = b * b - a * c;
   if (a < 1e-12 || root < 0) return null;
   const distance = (-b - Math.sqrt(root)) / a;
   const height = origin.z + distance * direction.z;
-  return distance > 0 && height >= -slack && height <= body.extent.height_m + slack ? distance : null;
+  return distance > 0 && height >= bottom_m - slack && height <= top_m + slack ? distance : null;
 }
