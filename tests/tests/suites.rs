@@ -242,7 +242,8 @@ fn wrong_suites_are_reported() {
     let ran = test(&scratch, &["0.suite.toml", "-k", "(a"], 2);
     assert!(ran.stderr.contains("not closed"), "{ran:#?}");
     // Values that advance together may recur.
-    scratch.write("w.suite.toml", &base.replace("seed =", "slot_ms = [50, 50]\nzip = [\"noise\", \"slot_ms\"]\nseed ="));
+    scratch
+        .write("w.suite.toml", &base.replace("seed =", "slot_ms = [50, 50]\nzip = [\"noise\", \"slot_ms\"]\nseed ="));
     test(&scratch, &["w.suite.toml", "--collect-only"], 0);
     scratch.write("w.suite.toml", &base.replace("until_s", "untils"));
     let ran = test(&scratch, &["w.suite.toml", "--collect-only"], 0);
