@@ -62,7 +62,8 @@ static void find_ridges(void)
     }
 }
 
-/* Finds the cheapest path, cell by cell. Returns the number of cells, 0 if there is no path. */
+/* Finds the cheapest path, cell by cell. Returns the number of cells, 0 if there is no path or an
+ * end is outside the grid. */
 static int find_route(Cell start, Cell goal, Cell *route)
 {
   static double cost[GRID][GRID];
@@ -71,6 +72,8 @@ static int find_route(Cell start, Cell goal, Cell *route)
   int head = 0, tail = 0, waiting = 1, count = 0, row, column, i, j, k;
   const int room = sizeof queue / sizeof queue[0];
 
+  if (!is_inside(start.row, start.column) || !is_inside(goal.row, goal.column))
+    return 0;
   for (row = 0; row < GRID; row++)
     for (column = 0; column < GRID; column++)
       cost[row][column] = INFINITY;
@@ -144,7 +147,7 @@ static int corners(const Cell *route, int first, int last, Point *path, int coun
 
 static Cell cell_at(Point p)
 {
-  return (Cell){(int)(p.y / CELL), (int)(p.x / CELL)};
+  return (Cell){(int)floor(p.y / CELL), (int)floor(p.x / CELL)};
 }
 
 int main(int argc, char *argv[])

@@ -36,11 +36,15 @@ fn the_quad_tree_leads_through_the_flat() {
 }
 
 #[test]
-fn the_quad_tree_finds_no_way_out() {
-    let path = root().join("sims/quad-tree.sim");
-    let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", "5000 5000"], 1);
-    assert_eq!(report["robots"][0]["outcome"], "failed");
-    assert!(report["robots"][0]["lcd"].to_string().contains("no way"));
+fn there_is_no_way_out() {
+    // 6 m is beyond the grid of 5.12 m.
+    for (scene, goal) in [("quad-tree.sim", "5000 5000"), ("brushfire.sim", "6000 6000"), ("brushfire.sim", "-10 500")]
+    {
+        let path = root().join("sims").join(scene);
+        let report = Scratch::new().report(path.to_str().expect("UTF-8"), &["--args", &format!("1:{goal}")], 1);
+        assert_eq!(report["robots"][0]["outcome"], "failed", "{report:#}");
+        assert!(report["robots"][0]["lcd"].to_string().contains("no way"), "{report:#}");
+    }
 }
 
 #[test]
