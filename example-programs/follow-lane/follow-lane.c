@@ -141,6 +141,6 @@ int main(void)
   }
   VWSetSpeed(0, 0);
   CAMRelease();
-  LCDSetPrintf(11, 0, lost ? "the lane is lost" : "once around");
-  return lost ? 2 : 0;
+  LCDSetPrintf(11, 0, abs(turned) < ROUND ? "the lane is lost" : "once around");
+  return abs(turned) < ROUND ? 2 : 0;
 }
