@@ -317,6 +317,23 @@ fn robots_come_back_the_less_exactly_the_greater_their_errors_are() {
 }
 
 #[test]
+fn the_results_of_umbmark_do_not_depend_on_the_heading_at_the_start() {
+    let scratch = Scratch::new();
+    let results = [0, 90].map(|heading| {
+        let scene = format!(
+            "[world]\nfloor_mm = [6000, 6000]\n[[robot]]\ntype = \"%sim%/robis/scout.robi\"\n\
+             program = \"%sim%/example-programs/umbmark/umbmark.c\"\nx_mm = 3000\ny_mm = 3000\n\
+             heading_deg = {heading}\nnoise = \"harsh\"\n"
+        );
+        scratch.write("a.scene.toml", &scene);
+        let ran = scratch.eyesim(&["run", "a.scene.toml"]);
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        ran.stdout.lines().filter(|line| line.contains("off by")).map(str::to_owned).collect::<Vec<_>>()
+    });
+    assert!(results[0].len() == 2 && results[0] == results[1], "{results:?}");
+}
+
+#[test]
 fn the_picture_is_the_one_that_the_scene_draws() {
     let scratch = Scratch::new();
     let plot = scratch.path().join("noise.svg");
