@@ -1,6 +1,9 @@
 /* A metronome: a timer beats, the keys make it slower and faster, the display shows the beats. */
 #include "eyebot.h"
 
+#define FASTEST 1    /* limits of the period, hundredths of a second */
+#define SLOWEST 400
+
 static volatile int beats;
 
 /* Callback of the timer. It runs inside whatever call the program is making: it must be short and must not wait. */
@@ -22,7 +25,10 @@ int main(void)
     if (key == KEY4)
       break;
     if (key == KEY1 || key == KEY2) {
-      period = key == KEY1 ? period * 2 : period / 2;
+      int changed = key == KEY1 ? period * 2 : period / 2;
+
+      if (changed >= FASTEST && changed <= SLOWEST)
+        period = changed;
       OSDetachTimer(timer);
       timer = OSAttachTimer(period, beat);
     }

@@ -246,6 +246,9 @@ fn the_metronome_beats_and_obeys_its_keys() {
     assert!(gaps[..8].iter().all(|gap| (gap - 0.5).abs() < 0.01), "{gaps:?}");
     assert!(gaps[12..24].iter().all(|gap| (gap - 0.25).abs() < 0.01), "{gaps:?}");
     assert_eq!(trace.iter().filter(|line| line["event"] == "key").count(), 3);
+    let keys = "1:KEY2, 2:KEY2, 3:KEY2, 4:KEY2, 5:KEY2, 6:KEY2, 7:KEY2, 8:KEY4";
+    let report = scratch.report(&scene("metronome.sim"), &["--keys", keys], 0);
+    assert_eq!(lcd(&report["robots"][0], 0), "every 10 ms");
 }
 
 #[test]
