@@ -2,8 +2,8 @@
 
     python3 generate.py SEED > field.world
 
-The robot starts at (-2.25, 3) and has to reach (-2.25, 13). A path of at least 0.9 m in width leads through the field; a comment in the
-world gives its length.
+The robot starts at (-2.25, 3) and has to reach (-2.25, 13). A path of at least 0.9 m in width leads through the field; a
+comment in the world gives its length. The shortest path may be shorter.
 """
 
 import math

@@ -1,7 +1,8 @@
 """The score of the BARN challenge: 1 * OT / clip(AT, 2 OT, 8 OT) for a run that reaches the goal without a contact, else 0.
 
-OT is the time for the optimal path at 2 m/s, whose length is in a comment of the world file; AT is the time at which the program ended. Arguments: the world, the
-goal in millimetres, the report, the trace.
+OT is the time at 2 m/s for the path that `generate.py` keeps free, whose length is in a comment of the world file; the
+challenge takes the shortest path, which may be shorter. AT is the time at which the program ended. Arguments: the
+world, the goal in millimetres, the report, the trace.
 """
 
 import json
