@@ -85,7 +85,7 @@ def main():
         else:
             lost += 1
             if lost == 50:
-                LCDSetPrintf(10, 0, "the line is lost")
+                LCDSetPrintf(11, 0, "the line is lost")
                 return 2
         phi = VWGetPosition()[2]
         turned += (phi - last + 180) % 360 - 180
