@@ -1,6 +1,6 @@
 /* A token goes round a ring of robots over a radio that loses messages: stop-and-wait. The holder sends the token to the next robot
    until that robot acknowledges it. A token carries the number of its hop, so receivers recognise duplicates.
-   Arguments: number of robots, number of rounds. */
+   Arguments: number of robots, at least 2, and number of rounds. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "eyebot.h"
@@ -75,9 +75,14 @@ static void pass(unsigned hop)
 
 int main(int argc, char *argv[])
 {
-  unsigned robots = argc > 1 ? atoi(argv[1]) : 2, rounds = argc > 2 ? atoi(argv[2]) : 10;
+  int robots = argc > 1 ? atoi(argv[1]) : 2;
+  unsigned rounds = argc > 2 ? atoi(argv[2]) : 10;
   unsigned round;
 
+  if (robots < 2) {
+    fprintf(stderr, "`%s` robots: expected a number of at least 2\n", argv[1]);
+    return 1;
+  }
   me = OSMachineID();
   next = me % robots + 1;
   previous = (me + robots - 2) % robots + 1;

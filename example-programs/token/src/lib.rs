@@ -1,8 +1,8 @@
 //! A token goes round a ring of robots over a radio that loses messages: stop-and-wait.
 //!
 //! The holder sends the token to the next robot until that robot acknowledges it. A token carries the number of its
-//! hop, so receivers recognise duplicates. Arguments: number of robots, number of rounds. `token-c` is the same program
-//! in C and interoperates.
+//! hop, so receivers recognise duplicates. Arguments: number of robots, at least 2, and number of rounds. `token-c` is
+//! the same program in C and interoperates.
 
 use std::error::Error;
 
@@ -91,6 +91,9 @@ impl Station {
 fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
     let number = |index: usize, default: u32| robot.arguments().get(index).map_or(Ok(default), |it| it.parse::<u32>());
     let (robots, rounds) = (number(0, 2)?, number(1, 10)?);
+    if robots < 2 {
+        return Err(format!("`{robots}` robots: expected a number of at least 2").into());
+    }
     let me = u32::from(robot.id().0);
     let address = |number: u32| u8::try_from(number).map(RobotNumber);
     let mut station = Station {
@@ -129,6 +132,12 @@ mod tests {
         }
         assert_eq!(Packet::from_bytes(b"Tab"), None);
         assert_eq!(Packet::from_bytes(b"X1234"), None);
+    }
+
+    #[test]
+    fn a_ring_has_at_least_two_robots() {
+        let run = Fake::new().argument("0").run(main);
+        assert_eq!(run.expect_failed(), "`0` robots: expected a number of at least 2");
     }
 
     /// The other robot of two: it loses messages, acknowledges the others, and returns the token.
