@@ -200,10 +200,12 @@ impl Mapper<'_> {
         let frame = *self.map.probabilities().frame();
         let cells = frame.columns().div_ceil(WIDTH).max(frame.rows().div_ceil(HEIGHT));
         let mut image = [0; WIDTH * HEIGHT / 8];
-        for y in 0..frame.rows() / cells {
-            for x in 0..frame.columns() / cells {
+        for y in 0..frame.rows().div_ceil(cells) {
+            for x in 0..frame.columns().div_ceil(cells) {
                 let mut said = (0..cells * cells)
-                    .map(|index| self.said(Cell::new(x * cells + index % cells, y * cells + index / cells)));
+                    .map(|index| Cell::new(x * cells + index % cells, y * cells + index / cells))
+                    .filter(|&cell| frame.has(cell))
+                    .map(|cell| self.said(cell));
                 let is_black = said.clone().any(|said| said == '#') || (x + y) % 2 == 0 && said.all(|said| said == '?');
                 let row = HEIGHT - 1 - y;
                 image[(row * WIDTH + x) / 8] |= u8::from(is_black) << (7 - x % 8);
