@@ -61,6 +61,18 @@ fn judge_solution(scratch: &Scratch, suite: &str, program: &str, points: f64, mi
     }
 }
 
+/// Judges a Python program that is not among the solutions, with seed 1.
+fn judge_other(folder: &str, robot: &str, program: &str, points: f64, missed: &[&str]) {
+    let (_, name) = folder.split_once('-').expect("a number and a name");
+    let scratch = Scratch::new();
+    let lab = root().join("labs").join(folder);
+    copy(&lab, &lab, &scratch);
+    let suite = format!("{name}.suite.toml");
+    scratch.write(&suite, &scratch.read(&suite).replace("\"1..20\"", "1"));
+    scratch.write("other.py", program);
+    judge_solution(&scratch, &suite, &format!("{robot}=other.py"), points, missed);
+}
+
 /// Copies the files in a folder of `lab`, including its subfolders, to the same place in `scratch`.
 fn copy(lab: &Path, folder: &Path, scratch: &Scratch) {
     for path in files(folder) {
@@ -159,6 +171,22 @@ fn a_relay_by_radio() {
     let mistakes: [Solution<'_>; 2] =
         [("eight-times.c", 7.0, &["in order, each once"]), ("out-of-range.py", 0.0, &nothing)];
     judge("09-relay", "1..2", "S4", mistakes);
+}
+
+#[test]
+fn all_words_of_the_relay_get_no_points() {
+    const PROGRAM: &str = r"from eye import *
+RADIOInit()
+if RADIOGetID() == 4:
+    for words in (
+        'apple bread cedar delta ember fjord grape hazel ivory jolly karma lemon mango',
+        'north olive piano quilt raven solar tulip umbra vivid wheat xenon yacht',
+    ):
+        print(*words.split(), sep='\n')
+RADIORelease()
+";
+    let missed = ["in order, each once", "prints no other words"];
+    judge_other("09-relay", "S4", PROGRAM, 0.0, &missed);
 }
 
 #[test]
