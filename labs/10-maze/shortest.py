@@ -44,8 +44,9 @@ for line in open(trace):
             times.append(event["t_s"])
 
 fewest = fewest_steps()
-begin = max(index for index, cell in enumerate(cells) if cell == START)
-if GOAL not in cells[:begin] or GOAL not in cells[begin:]:
+last = max((index for index, cell in enumerate(cells) if cell == GOAL), default=0)
+begin = max(index for index, cell in enumerate(cells[: last + 1]) if cell == START)
+if GOAL not in cells[:begin]:
     verdict = {"passed": False, "message": "it does not race: from the start to the goal, when it has been at the goal before"}
 else:
     end = cells.index(GOAL, begin)

@@ -191,6 +191,13 @@ RADIORelease()
 }
 
 #[test]
+fn a_robot_may_drive_home_after_the_race() {
+    let home = "steps = flood(START, False)\nwhile cell != START:\n    go(downhill(steps, False), 300)\n";
+    let race = fs::read_to_string(root().join("labs/10-maze/solutions/maze.py")).expect("the solution");
+    judge_other("10-maze", "1", &format!("{race}{home}"), POINTS, &[]);
+}
+
+#[test]
 fn a_maze() {
     let no_race = ["to the goal, home, to the goal", "races on a shortest way"];
     let carried = ["races on a shortest way", "drives itself"];
