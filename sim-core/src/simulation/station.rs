@@ -143,7 +143,7 @@ impl Robot {
         if self.has_ended_radio && self.station.as_deref().is_some_and(in_ring) {
             let is_unsent = |delivery: &&Delivery| delivery.outcome == Err(Loss::Unsent);
             let unsent = deliveries.iter().filter(is_unsent);
-            self.hint_unsent(unsent.clone().last().map_or(self.now, &at), unsent.count());
+            self.hint_unsent(unsent.clone().next_back().map_or(self.now, &at), unsent.count());
         }
     }
 }

@@ -14,8 +14,8 @@ use sim_core::time::Time;
 use sim_format::print::scene_schema;
 use sim_format::suite::{check_suite, load_suite, print_suite, read_suite, suite_schema};
 use sim_format::{
-    Code, ConvertOptions, FileError, Files, Overrides, Severity, content, convert, convert_with, load_scene,
-    load_scene_with, read_companion, read_robi, read_scene,
+    Code, ConvertOptions, FileError, Files, MemoryFiles, Overrides, Severity, content, convert, convert_with,
+    load_scene, load_scene_with, read_companion, read_robi, read_scene,
 };
 
 /// File system of the files below a folder, overlaid by those written in the test.
@@ -229,7 +229,7 @@ fn further_values_of_a_suite_are_checked() {
     {
         assert_eq!(messages.iter().filter(|message| message.contains(part)).count(), 1, "{part}: {messages:?}");
     }
-    let is_of_x = |message: &&&str| message.contains("x_mm") && message.contains("(case world=");
+    let is_of_x = |message: &&&str| message.contains("`x_mm` is") && message.contains("(case world=");
     assert_eq!(messages.iter().filter(is_of_x).count(), 1, "{messages:?}");
     assert_eq!(messages.len(), 5, "{messages:?}");
 }
@@ -677,7 +677,7 @@ fn references_are_rewritten_for_the_new_folder() {
 
 #[test]
 fn references_without_an_exact_file_are_rewritten_too() {
-    let files = Overlay::of(&[
+    let files: MemoryFiles = [
         (
             "src/a.sim",
             "world Room.wld\nS4 300 500 0 left.x\nS4 700 500 0 right\nS4 1100 500 0 \"a.c, b.c\"\n\
@@ -689,7 +689,9 @@ fn references_without_an_exact_file_are_rewritten_too() {
         ("src/a.c", ""),
         ("src/x,y.c", ""),
         ("here.c", ""),
-    ]);
+    ]
+    .into_iter()
+    .collect();
     let converted = convert("src/a.sim", "out/b.scene.toml", &files);
     let text = converted.outputs[0].text();
     let is_quoted = |line: &str| text.contains(&format!("= \"{line}\""));
