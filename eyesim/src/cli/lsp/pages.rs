@@ -29,8 +29,9 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
                 .collect::<Vec<_>>()
         });
         let names = builtin::ROBOTS.iter().chain(builtin::OBJECTS.iter());
-        let types =
-            names.filter(|_| extension(&document.name) == "sim").map(|name| item(name, CompletionItemKind::CLASS, ""));
+        let types = names
+            .filter(|_| path::extension(&document.name) == "sim")
+            .map(|name| item(name, CompletionItemKind::CLASS, ""));
         return keywords.chain(types).collect();
     }
     files_at(document, offset, files)

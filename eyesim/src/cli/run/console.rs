@@ -291,7 +291,7 @@ pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
         Speed::Factor(factor) => Some(Pace::new(factor)),
     };
     // A pipe may have no writer yet.
-    let read = |trace| interrupt::outside_of_run(|| Recorded::read(trace)).context("--repeat");
+    let read = |trace: &std::path::PathBuf| interrupt::outside_of_run(|| Recorded::read(trace)).context("--repeat");
     let actions = args.repeat.as_ref().map(read).transpose()?;
     Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
 }
