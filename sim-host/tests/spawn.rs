@@ -143,7 +143,8 @@ fn a_spawned_robot_drives() {
 
 #[test]
 fn checks_count_the_calls_of_a_spawned_robot() {
-    let suite = "[[check]]\nkind = \"calls\"\nfunction = \"VWInit\"\nmin = 2\nmax = 2\n";
+    let suite =
+        "[suite]\nscene = \"scene.sim\"\n[[check]]\nkind = \"calls\"\nfunction = \"VWInit\"\nmin = 2\nmax = 2\n";
     let scene = room("robi bot.robi drive.c 500 500 0\n", &[("drive.c", DRIVE), ("all.suite.toml", suite)]);
     let until = Some(Time::from_millis(10_000));
     let checks = Some(scene.path().join("all.suite.toml"));

@@ -100,22 +100,25 @@ static void drive(void)
     VWDriveWait(vw);
     printf(\"at %d\\n\", OSGetCount());
 }
-int main(void)
+static void release(void)
 {
-    struct tcb *task;
-    vw = VWInit(VW_DRIVE, 1);
-    OSMTInit(PREEMPT);
-    task = OSSpawn(\"drive\", drive, 4096, 3, 1);
-    OSReady(task);
-    OSPermit();
-    OSSleep(30);
+    OSSleep(32);
     VWRelease(vw);
     OSSleep(100);
+}
+int main(void)
+{
+    vw = VWInit(VW_DRIVE, 1);
+    OSMTInit(PREEMPT);
+    OSReady(OSSpawn(\"drive\", drive, 4096, 3, 1));
+    OSReady(OSSpawn(\"release\", release, 4096, 3, 2));
+    OSPermit();
+    OSSleep(200);
     return 0;
 }";
     for slot in ["1", "200"] {
         let (ran, _) = run_one(source, &["--slot", slot]);
-        assert_eq!(lines_of(&ran), ["at 30"], "slot {slot}: {ran:#?}");
+        assert_eq!(lines_of(&ran), ["at 34"], "slot {slot}: {ran:#?}");
     }
 }
 

@@ -281,7 +281,7 @@ fn serial_lines_carry_what_the_companion_connects() {
 fn a_sent_byte_wakes_the_thread_that_waits_for_it() {
     let scratch = scene_of(
         "#include <pthread.h>
-        static void *receive(void *p) { printf(\"%c at %d\\n\", SERReceiveChar(1), OSGetCount()); return p; }
+        static void *receive(void *p) { int c = SERReceiveChar(1); printf(\"%c at %d\\n\", c, OSGetCount()); return p; }
         int main(void)
         {
             pthread_t thread;
