@@ -241,10 +241,11 @@ enum { MAX_WAV_HEADER = 1 << 16 };
 static struct eyesim_bytes sample_of(const void *sample)
 {
     const unsigned char *file = sample;
-    size_t end, at = 12;
-    if (sample == NULL || strncmp(sample, "RIFF", 4) != 0 || memcmp(file + 8, "WAVE", 4) != 0)
+    size_t size, end, at = 12;
+    if (sample == NULL || strncmp(sample, "RIFF", 4) != 0 || strncmp((const char *)file + 8, "WAVE", 4) != 0)
         return text_of(sample);
-    end = size_at(file + 4) < MAX_WAV_HEADER ? 8 + size_at(file + 4) : MAX_WAV_HEADER;
+    size = size_at(file + 4);
+    end = size == 0 || size > MAX_WAV_HEADER ? MAX_WAV_HEADER : 8 + size;
     while (at + 8 <= end && memcmp(file + at, "data", 4) != 0)
         at += 8 + size_at(file + at + 4) + size_at(file + at + 4) % 2;
     return bytes_of(sample, at + 8 <= end ? at + 8 : 12);

@@ -149,6 +149,8 @@ fn with_pipes(command: &mut Command) -> &mut Command {
 fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     /// Interval at which the end of the process is checked.
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
+    /// Time in which a reader takes what is left in a pipe.
+    const DRAIN_TIME: Duration = Duration::from_millis(100);
     let group = child.id() as i32;
     // SAFETY: kill takes no pointer; the number identifies the group as long as the group has a member.
     let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
@@ -190,8 +192,12 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
         }
         if !reader.is_finished() {
             kill();
+            // The reader takes what is in the pipe. A process that has left the group keeps the pipe open.
+            let deadline = Instant::now() + DRAIN_TIME;
+            while !reader.is_finished() && Instant::now() < deadline {
+                thread::sleep(POLL_INTERVAL);
+            }
         }
-        // A process that has left the group keeps its pipe open, so the end of the reader is not awaited.
         std::mem::take(&mut *bytes.lock())
     });
     match excess() {

@@ -124,7 +124,7 @@ fn location_of_main(program: &str, sim: &Path) -> String {
     }
     let file = file.strip_suffix(".txt").unwrap_or(file);
     match file.rsplit_once('.') {
-        Some((_, extension)) if ["c", "cpp", "cc", "cxx"].contains(&extension.to_lowercase().as_str()) => {
+        Some((_, extension)) if ["c", "cpp", "cc", "cxx", "c++"].contains(&extension.to_lowercase().as_str()) => {
             format!("{file}:main")
         }
         Some((stem, _)) => format!("{stem}.c:main"),

@@ -134,7 +134,7 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
             bail!("{option} `{path_text}` is a folder, expected a file");
         }
         // Devices such as /dev/null take any number of outputs.
-        if canonical.starts_with("/dev") && !canonical.is_file() {
+        if canonical.starts_with("/dev") && canonical.exists() && !canonical.is_file() {
             continue;
         }
         if let Some((owner, _)) = seen_files.iter().find(|(_, other)| is_same_file(other, &canonical)) {

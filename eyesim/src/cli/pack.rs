@@ -231,7 +231,7 @@ fn modules(text: &str) -> Vec<String> {
         let line = line.split('#').next().unwrap_or_default().trim();
         statement.push_str(line.trim_end_matches('\\'));
         statement.push(' ');
-        let is_open = statement.split_once("import (").is_some_and(|(_, names)| !names.contains(')'));
+        let is_open = statement.starts_with("from ") && statement.contains('(') && !statement.contains(')');
         if is_open || line.ends_with('\\') {
             continue;
         }

@@ -43,7 +43,7 @@ extern int LIDAR_RESOLUTION;
 
 void SIMGetPose(int *x, int *y, int *phi); /* of this robot: mm, mm, degrees */
 void SIMSetPose(int x, int y, int phi);
-int SIMLaserScan(int *dists);              /* LIDARGet: 360 distances in mm */
+int SIMLaserScan(int *dists);              /* LIDARGet: LIDAR_RESOLUTION distances in mm */
 int MOTORPIDoff(int motor);                /* MOTORPIDOff */
 
 /* ---- 2017: list menus, in no header; the order of the fields is ours ---- */

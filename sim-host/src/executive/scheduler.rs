@@ -51,6 +51,8 @@ pub struct Scheduler {
     faults: Faults,
     /// Listener for programs that compute for long.
     listener: Option<Listener>,
+    /// Time of the last check of the limits of processes.
+    limits_checked: Instant,
 }
 
 /// Callback that receives a line of text.
@@ -211,6 +213,7 @@ impl Scheduler {
             has_requested_exit: false,
             faults,
             listener: None,
+            limits_checked: Instant::now(),
         };
         if let Err(error) = scheduler.run.start_programs() {
             scheduler.has_requested_exit = true;
@@ -355,6 +358,11 @@ impl Scheduler {
                     self.handle_failure(id, failure, deadline);
                 }
             }
+            if self.limits_checked.elapsed() >= POLL_INTERVAL {
+                self.limits_checked = Instant::now();
+                // A process that exceeds its limits fails in its next call.
+                self.run.programs().filter_map(RobotProgram::child).for_each(|child| _ = child.check_limits());
+            }
             // A flow keeps the lock while it runs scheduler steps over many slots in which no robot is due.
             let Some(mut dispatcher) = self.run.dispatcher.try_lock_for(POLL_INTERVAL) else { continue };
             if dispatcher.is_at_rest() {
@@ -380,8 +388,6 @@ impl Scheduler {
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
-                // A process that exceeds its limits fails in its next call.
-                self.run.programs().filter_map(RobotProgram::child).for_each(|child| _ = child.check_limits());
                 if last_report.elapsed() >= LONG_COMPUTATION {
                     last_report = Instant::now();
                     self.report_computing(&running);

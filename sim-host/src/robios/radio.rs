@@ -48,8 +48,8 @@ pub fn refuse_while_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) 
     robot.refuse_call(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; returns the number of messages that are not transmitted, if it is known. In RoBIOS-7 messages that were sent
-/// are still transmitted, as in EyeSim VR.
+/// Switches the radio off; returns the number of messages that are not transmitted, if it is known. In RoBIOS-7 messages
+/// that were sent are still transmitted, as in EyeSim VR.
 fn switch_off(robot: &mut Robot) -> Option<usize> {
     let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);

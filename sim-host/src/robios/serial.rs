@@ -307,7 +307,12 @@ pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
 /// `SERClose`
 pub fn close(robot: &mut Robot, number: i32) -> i32 {
     let now = robot.now;
-    if robot.robios.serial.close(number, now) { 0 } else { robot.fail_call(Robios7Call::SERClose, 1) }
+    if !robot.robios.serial.close(number, now) {
+        return robot.fail_call(Robios7Call::SERClose, 1);
+    }
+    // A task that waits for a byte fails now.
+    robot.tasks.recheck_input(now);
+    0
 }
 
 #[cfg(test)]

@@ -103,6 +103,11 @@ export class Trails {
     }
   }
 
+  /** Forgets the interruptions of another run. */
+  restart(): void {
+    this.cuts.clear();
+  }
+
   /** Restarts all ribbons. */
   rebuild(): void {
     this.t_s = 0;

@@ -174,7 +174,10 @@ export class View {
     this.marks.rebuild();
     this.trails.rebuild();
     void this.trails.join(scene.run);
-    if (this.lastRun !== scene.run) this.marks.restart();
+    if (this.lastRun !== scene.run) {
+      this.marks.restart();
+      this.trails.restart();
+    }
     this.lastRun = scene.run;
     this.beams.rebuild();
     this.effects.rebuild();
