@@ -39,7 +39,7 @@ pub enum Scene {
     Text(String),
 }
 
-/// The runs for one paper: the folder of their files, and the seed of their scenes.
+/// What the runs for one paper share: the paper's name, the folder of their files, the seed.
 #[derive(Debug)]
 pub struct Job {
     paper: String,

@@ -1,8 +1,14 @@
 //! Wu et al. 2013: grid maps from seven ultrasonic sectors.
 //!
 //! The robot of `sims/sonar-map*.scene.toml` prints all its readings and its odometry. From these readings this module
-//! builds each of the compared maps (the paper's map, a plain sonar grid, a grid of log-odds) and compares it with the
-//! walls of the scene.
+//! builds six maps and compares each with the walls of the scene:
+//!
+//! - the paper's map, with lines drawn by point-by-point comparison
+//! - the paper's map, with lines drawn by DDA
+//! - the paper's local grids, added as log-odds instead of by Eq. 4
+//! - a plain sonar grid that ignores a missing echo
+//! - a plain sonar grid that takes a missing echo as free
+//! - a grid of log-odds of cones and arcs
 
 mod case;
 mod maps;
@@ -94,8 +100,8 @@ fn claim(section: &str, paper: &str, ours: &str, number: String, holds: bool, we
     Claim { section, paper, ours, number, holds, weight, basis: Basis::Found }
 }
 
-/// Minimum fraction of right cells among the observed ones, and minimum precision and recall of occupied cells, in the
-/// room without noise.
+/// Minimum fraction of right cells among the observed ones, and minimum precision and recall of occupied cells. Chosen
+/// for the room without noise, and applied to runs with noise too.
 pub const MIN_SCORES: (f64, f64, f64) = (0.95, 0.8, 0.7);
 
 fn room_accuracy(room: &Mapped) -> Claim {
@@ -130,7 +136,8 @@ fn room_recall(room: &Mapped) -> Claim {
     claim("Summary", "the completeness of the map", ours, percent(recall), recall >= MIN_SCORES.2, Weight::Must)
 }
 
-/// A room with mirrors: name, scene, size in mm, and starts in mm at multiples of a cell.
+/// A room for [`among_mirrors`], which makes mirrors of all walls without their own surface: name, scene, size in mm,
+/// and starts in mm at multiples of a cell.
 type Room = (&'static str, &'static str, [i64; 2], [[i64; 2]; 6]);
 const MIRRORS: [Room; 2] = [
     (

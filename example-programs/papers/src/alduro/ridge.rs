@@ -1,5 +1,5 @@
-//! Linear equations with more unknowns than equations: ridge regression, with a given ridge or with the ridge of
-//! maximum evidence.
+//! Ridge regression, with a given ridge or with the ridge of maximum evidence; fast if there are fewer equations than
+//! unknowns.
 //!
 //! Recursive least squares without forgetting has the same solution (`mapping::rls`). Here all n equations together
 //! cost n^3 operations, whatever the number of unknowns.
@@ -8,8 +8,8 @@ use mapping::math;
 use nalgebra::linalg::SymmetricTridiagonal;
 use nalgebra::{DMatrix, DVector};
 
-/// Equations for the parameters of rules, `N` for each rule. Each equation says: the sum of factor times parameter over
-/// its terms is its value.
+/// Linear equations whose unknowns are the parameters of rules; each rule has `N`. An equation states that the sum over
+/// its terms of factor times parameter equals its value.
 #[derive(Clone, Debug, Default)]
 pub struct Equations<const N: usize> {
     /// Terms of each equation: the index of a rule, at most once per equation, and the factors of the rule's
@@ -24,7 +24,7 @@ const RIDGES: std::ops::RangeInclusive<i32> = -40..=40;
 
 impl<const N: usize> Equations<N> {
     /// Parameters of all rules, rule by rule. They minimise the sum of the squared errors plus `ridge` times the sum of
-    /// the squared parameters. `None` if rounding leaves no solution.
+    /// the squared parameters. `None` if the Gram matrix plus the ridge on its diagonal is not positive definite.
     pub fn solve(&self, rules: usize, ridge: f64) -> Option<Vec<f64>> {
         let mut gram = self.gram(rules);
         for index in 0..gram.nrows() {
@@ -40,11 +40,12 @@ impl<const N: usize> Equations<N> {
         Some(solution.into_flattened())
     }
 
-    /// The ridge under which the values are most probable. Unknowns and errors are independent normal numbers with mean
-    /// 0, and the ridge is the ratio of the errors' variance to the unknowns' variance. `None` if no ridge between
-    /// 2^-40 and 2^40 is the best.
+    /// The ridge, a power of two, under which the values are most probable. Unknowns and errors are independent normal
+    /// numbers with mean 0, and the ridge is the ratio of the errors' variance to the unknowns' variance. `None` if the
+    /// best power is at an end of the range 2^-40 to 2^40, or no power has a finite evidence.
     ///
-    /// Source: the evidence of MacKay 1992, *Bayesian interpolation*, with the scale at its most probable value.
+    /// Source: the evidence of MacKay 1992, *Bayesian interpolation*, with the common scale of both variances at its
+    /// most probable value.
     pub fn likeliest_ridge(&self, rules: usize) -> Option<f64> {
         let count = self.values.len();
         let tridiagonal = SymmetricTridiagonal::new(self.gram(rules));
