@@ -1,8 +1,9 @@
 //! General perception of a shank (Gois and Hiller, section 5, after Braunstingl): two vectors towards the obstacles
 //! around it.
 //!
-//! Eq. 4 and 5 print only the length of each p_k, but sum the p_k as vectors. Here each p_k has the direction of the
-//! unit vector from the shank to the point.
+//! Eq. 4 and 5 print only the length of each p_k, the vector towards the k-th point, but sum the p_k as vectors. Here
+//! each p_k has the direction from the reference to the point. The reference is the shank for P_H, and the tip's next
+//! position for P_L.
 
 use mapping::local_map::Patch;
 use nalgebra::{Vector2, Vector3};
@@ -22,8 +23,8 @@ impl Heights {
         ramp(height, self.high)
     }
 
-    /// Membership in the set `low` of obstacles that a simple step overcomes. It rises from the ground on and falls
-    /// where `high` begins.
+    /// Membership in the set `low` of obstacles that a simple step overcomes. It rises from `low.0` to `low.1`, and
+    /// falls from `high.0` to `high.1`, where the membership in `high` rises.
     pub fn low(&self, height: f64) -> f64 {
         ramp(height, self.low) * (1.0 - self.high(height))
     }
@@ -44,9 +45,9 @@ pub fn high(shank: Vector2<f64>, reach: f64, points: impl Iterator<Item = (Patch
     combined(vectors, Vector2::zeros())
 }
 
-/// P_L of Eq. 5: vector towards the low points around the position that the shank's tip, now at `tip`, will reach
-/// `ahead` m farther on. The paper takes the points at the distance `reach`, whose p_k would all be about 0; here the
-/// points within that distance count.
+/// P_L of Eq. 5: vector towards the low points around `tip + ahead` (m), where the shank's tip, now at `tip`, will be.
+/// The paper takes the points at the distance `reach`, whose p_k would all be about 0; here the points within that
+/// distance count.
 pub fn low(
     tip: Vector3<f64>,
     ahead: Vector3<f64>,
@@ -62,8 +63,9 @@ pub fn low(
 
 type Vector<const N: usize> = nalgebra::SVector<f64, N>;
 
-/// p_k: (l_max - l_k) / l_max along the unit vector to the point. `None` beyond l_max, and for a point at the reference
-/// itself, which has no direction.
+/// p_k: (l_max - l_k) / l_max times the membership, along the unit vector from the reference to the point; `offset` is
+/// the point relative to the reference, l_k its length, and `reach` is l_max. `None` from l_max on, for membership 0,
+/// and for a point at the reference itself, which has no direction.
 fn vector<const N: usize>(offset: Vector<N>, reach: f64, membership: f64) -> Option<Vector<N>> {
     let length = offset.norm();
     (length > 0.0 && length < reach && membership > 0.0)
