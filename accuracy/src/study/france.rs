@@ -41,7 +41,7 @@ pub const WALK: f64 = 12.0;
 const SPEED: f64 = 0.1;
 /// Period of the gait, s.
 const GAIT_PERIOD: f64 = 1.5;
-/// x of the step, m; the walk starts at 0.
+/// x of the step's front face, m; the walk starts at 0.
 const STEP_X: f64 = 2.0;
 /// Height of the step, m.
 const STEP_HEIGHT: f64 = 0.25;
@@ -56,7 +56,8 @@ const STEP_HEIGHT: f64 = 0.25;
 /// gait and step are our choice.
 ///
 /// # Panics
-/// Never: each ray hits the floor or the step.
+/// If `period` is 0, or so small that the samples exceed the maximum size of a vector. With a negative `period` there
+/// are no samples.
 pub fn walk(period: f64) -> Vec<Sample> {
     let world = world_with_step();
     let robot_from_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
