@@ -15,10 +15,11 @@ use super::trail::Trail;
 /// Comparison of two traces, A and B.
 #[derive(Debug, Default)]
 pub struct TraceDiff {
-    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes of other differences, but not
-    /// differences between the runs.
+    /// Differences between the headers, such as `seed: 1 in A, 2 in B`. They may explain other differences;
+    /// [`TraceDiff::is_equal`] ignores them.
     pub headers: Vec<String>,
-    /// First difference between the events; none if the events are equal up to the end of the shorter trace.
+    /// First difference between the events; none if all events are equal. A truncated trace is compared only as far as
+    /// it goes.
     pub first: Option<Difference>,
     /// Ends of the runs A and B; none for a truncated trace.
     pub ends: [Option<Time>; 2],
@@ -48,7 +49,8 @@ pub struct Difference {
 pub struct PathPair {
     /// Paths in A and in B, in the world, m; none if the trace has no pose of the robot.
     pub trails: [Option<Trail>; 2],
-    /// Maximum distance in m between the positions at the end of a slot, and the end of that slot.
+    /// Maximum distance in m between the positions at the end of a slot, and the end of that slot; none if the
+    /// positions never differ, or if a trace has no pose of the robot.
     pub farthest: Option<(f64, Time)>,
     positions: [Option<DVec2>; 2],
 }
@@ -60,7 +62,8 @@ struct Slot {
 }
 
 impl TraceDiff {
-    /// Compares the rest of two traces. Notes, which are not in the digest, are not compared.
+    /// Compares two traces from after their headers. Notes (events without `seq`, which are not in the digest) are not
+    /// compared. Also lists the differences between the headers.
     ///
     /// # Errors
     /// [`TraceError`] for an invalid line.
@@ -68,7 +71,7 @@ impl TraceDiff {
         let mut diff = Self { headers: header_differences(&readers), ..Self::default() };
         let mut last_events = BTreeMap::new();
         let mut next = [diff.next_slot(&mut readers, 0)?, diff.next_slot(&mut readers, 1)?];
-        // A truncated trace is compared up to its end.
+        // A truncated trace is compared up to its last complete slot.
         while (0..2).all(|run| next[run].is_some() || diff.ends[run].is_some()) {
             let Some(end) = next.iter().flatten().map(|slot| slot.end).min() else { break };
             let mut slots = [Vec::new(), Vec::new()];
@@ -83,7 +86,7 @@ impl TraceDiff {
         Ok(diff)
     }
 
-    /// Returns true if no difference was found and both runs end at the same time, if both ends are known.
+    /// Returns true if no difference between the events was found, and the ends are equal or one of them is unknown.
     pub fn is_equal(&self) -> bool {
         self.first.is_none() && !self.ends_differ()
     }

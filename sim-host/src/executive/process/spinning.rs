@@ -9,7 +9,8 @@ use crate::host;
 /// Time for the code between two calls of a program in Python. Our choice.
 const CODE_TIME: Duration = Duration::from_micros(50);
 
-/// [`CODE_TIME`] and the time in which the kernel wakes the child on an idle processor. Our choice.
+/// Limit of a spin after the child had to be woken: [`CODE_TIME`] plus the time that the kernel needs to wake it on an
+/// idle processor. Our choice.
 const WAKE_TIME: Duration = Duration::from_micros(200);
 
 /// Maximum value of [`Spinning::failures`] at which the host spins. With a greater value it sleeps at once, except in
@@ -25,11 +26,17 @@ static CHILDREN: AtomicUsize = AtomicUsize::new(0);
 /// Spins of the host for the messages of one child.
 ///
 /// To wake a thread on an idle processor takes several times as long as a call. But a thread that spins while no
-/// processor is free keeps a child from running. So the host spins if there are two processors for each child, one for
-/// the child and one for the thread that serves it, unless both are bound to one processor, and as long as most spins
-/// end with a message. The child spins only if the host does.
+/// processor is free keeps a child from running. So the host spins only if all of these hold:
+///
+/// - There are two processors for each child: one for the child and one for the thread that serves it.
+/// - The child and the thread that serves it are not bound to one processor.
+/// - Most recent spins ended with a message, or it is the one wait in [`PERIOD`] that tries a spin anyway; see
+///   [`MAX_FAILURES`].
+///
+/// The child spins for an answer only if the host was awake when it got the turn.
 pub struct Spinning {
-    /// Each spin without a message increases this value by 2, each spin with a message decreases it by 1.
+    /// Each spin without a message increases this value by 2, up to [`MAX_FAILURES`] + 2; each spin with a message
+    /// decreases it by 1, down to 0.
     failures: AtomicU32,
     /// Number of waits.
     waits: AtomicU32,

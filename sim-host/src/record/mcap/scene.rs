@@ -1,4 +1,5 @@
-//! Entities of `foxglove.SceneUpdate` for a scene.
+//! Frames, scene entities and transforms of a scene, as in the Foxglove messages `foxglove.SceneUpdate` and
+//! `foxglove.FrameTransforms`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -30,7 +31,7 @@ pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
     format!("object/{object}")
 }
 
-/// Pose in space, in the format of pages and recordings.
+/// Pose in space, in the format of the viewer's web pages and of recordings.
 pub fn point(pose: &Pose3) -> Point {
     Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }
@@ -62,8 +63,8 @@ pub(super) fn all(scene: &Scene) -> Vec<Value> {
     std::iter::once(world(scene)).chain(robots).chain(objects).collect()
 }
 
-/// Entities of robot `id`, with the appearance of robot `model` of the scene: its body, and its links that have a
-/// shape.
+/// Entities of robot `id`: its body, and its links that have a shape. They look like the robot of the scene whose id is
+/// `model`; without such a robot there are none.
 pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Vec<Value> {
     let Some(robot) = scene.robots.iter().find(|robot| robot.id == model) else { return Vec::new() };
     let label = json!([{
