@@ -98,10 +98,10 @@ impl MeshCache {
     }
 }
 
-/// The scenery of a scene: ground, walls, objects and robots.
+/// The scenery of a scene: ground, walls, objects, robots, light and sky.
 ///
 /// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders. A robot without a mesh
-/// gets a body with wheels, lamps and a nose, in a colour chosen by its id.
+/// gets a default body (see `body`) in a colour chosen by its id, with wheels if it drives on them.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut MeshCache::default(), reader)
 }
@@ -147,8 +147,8 @@ fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall on the floor: a sheet, or a box without a lower face. Sheets that meet in a point have bit-identical corners
-/// there; the corners of boxes differ.
+/// A wall on the floor: a sheet, or a box without a lower face. Sheets that meet at their ends share exact corners, so
+/// that no gap shows; boxes that meet do not.
 fn wall_part(number: u32, wall: &WallSpec) -> Part {
     let mut builder = MeshBuilder::default();
     let paint = builder.paint(wall.colour.unwrap_or(WALL_COLOUR));
