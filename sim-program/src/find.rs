@@ -12,6 +12,7 @@ use super::embedded::EmbeddedProgram;
 use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::{Language, without_txt};
+use super::parts::parts_of;
 use crate::files::open_regular;
 use sim_format::path::{is_absolute, relocated_candidates};
 
@@ -62,6 +63,15 @@ impl ProgramSource {
             Self::Sources { files, .. } => files.clone(),
             Self::Library(path) | Self::Python(path) => vec![path.clone()],
             Self::Embedded(_) | Self::Cargo(_) => Vec::new(),
+        }
+    }
+
+    /// Headers and modules in the folders of the program's files, see [`parts_of`].
+    pub fn parts(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Sources { files, .. } => files.iter().flat_map(|file| parts_of(file)).collect(),
+            Self::Python(file) => parts_of(file),
+            Self::Library(_) | Self::Embedded(_) | Self::Cargo(_) => Vec::new(),
         }
     }
 
@@ -565,7 +575,7 @@ fn other_language(path: &Path) -> Option<&'static str> {
 }
 
 /// Returns true for the name of a Python program, `maze.py` or `maze.py.txt`.
-fn is_python(path: &Path) -> bool {
+pub(crate) fn is_python(path: &Path) -> bool {
     has_extension(without_txt(path), "py")
 }
 

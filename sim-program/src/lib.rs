@@ -31,6 +31,7 @@ mod inline;
 pub mod kind;
 pub mod language;
 pub mod load;
+pub mod parts;
 pub mod plain;
 mod plain_rust;
 pub mod prepare;

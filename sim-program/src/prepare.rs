@@ -91,7 +91,7 @@ impl Prepared {
     pub fn inputs(&self) -> Vec<PathBuf> {
         match &self.source {
             ProgramSource::Cargo(_) => self.image().map(|image| image.path().to_owned()).into_iter().collect(),
-            source => source.files(),
+            source => source.files().into_iter().chain(source.parts()).collect(),
         }
     }
 }

@@ -72,7 +72,11 @@ impl Programs {
         }
         let failed = |mistakes: Vec<String>| ProgramsError {
             mistakes,
-            sources: found.iter().flatten().flat_map(|found| found.source.files()).collect(),
+            sources: found
+                .iter()
+                .flatten()
+                .flat_map(|found| [found.source.files(), found.source.parts()].concat())
+                .collect(),
         };
         if !mistakes.is_empty() {
             return Err(failed(mistakes));

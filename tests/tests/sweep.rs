@@ -21,13 +21,14 @@ y_mm = 500
 
 /// Drives along a side and back, and prints its odometry.
 const PROGRAM: &str = r#"#include "eyebot.h"
+#include "speed.h"
 int main() {
     int x, y, phi;
-    VWStraight(1000, 400);
+    VWStraight(1000, SPEED);
     VWWait();
     VWTurn(180, 90);
     VWWait();
-    VWStraight(1000, 400);
+    VWStraight(1000, SPEED);
     VWWait();
     VWGetPosition(&x, &y, &phi);
     printf("METRIC x_mm=%d\n", x);
@@ -35,11 +36,14 @@ int main() {
 }
 "#;
 
+const HEADER: &str = "#define SPEED 400\n";
+
 /// Writes a suite with `cases` cases, some of which fail.
 fn suite(cases: usize) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("room.scene.toml", SCENE);
     scratch.write("square.c", PROGRAM);
+    scratch.write("speed.h", HEADER);
     let seeds = cases / 2;
     let text = format!(
         "[suite]\nscene = \"room.scene.toml\"\nprograms = [\"1=square.c\"]\n[matrix]\nnoise = [\"none\", \"harsh\"]\nseed = \"1..{seeds}\"\n\
@@ -240,9 +244,12 @@ fn a_changed_suite_does_not_mix_with_old_rows() {
     scratch.write("a.suite.toml", &format!("{text}[limits]\nprocessor_s = 30\n"));
     refused();
     scratch.write("a.suite.toml", &text);
-    scratch.write("square.c", &PROGRAM.replace("400", "300"));
+    scratch.write("square.c", &PROGRAM.replace("180, 90", "180, 80"));
     refused();
     scratch.write("square.c", PROGRAM);
+    scratch.write("speed.h", &HEADER.replace("400", "300"));
+    refused();
+    scratch.write("speed.h", HEADER);
     // A suite with more seeds continues.
     scratch.write("a.suite.toml", &text.replace("1..2", "1..3"));
     let ran = into(&scratch, "out", &[]);

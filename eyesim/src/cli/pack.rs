@@ -1,8 +1,8 @@
 //! `eyesim pack`: writes a scene or a suite into one archive, with everything that its runs read; opens archives for
 //! the other commands.
 
+use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
@@ -15,6 +15,7 @@ use sim_host::files::{DiskFiles, read_regular, slashed, use_home};
 use sim_host::launch::settings::ProgramOption;
 use sim_host::launch::{BuiltScene, Options, Scene, check};
 use sim_host::program::find::{ProgramSource, find_program};
+use sim_host::program::parts::parts_of;
 use sim_host::record::report::write_atomically;
 
 use super::check::with_meshes_and_images;
@@ -69,7 +70,9 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
     let search = check::search_path(&DiskFiles::of_environment())?;
     let mut programs = Vec::new();
     for program in &args.programs {
-        programs.push((program, files.add_source(&find_program(program.program(), &search)?.source)?));
+        let sources = files_of(&find_program(program.program(), &search)?.source)?;
+        sources.iter().try_for_each(|source| files.add_program(source))?;
+        programs.push((program, sources));
     }
     let root = files.root();
     let mut pack = files.into_pack(&args.file, &BTreeMap::new())?;
@@ -120,25 +123,10 @@ impl Collected {
         let loaded = with_meshes_and_images(loaded, &files, |_| ());
         report_diagnostics(&loaded.diagnostics, &loaded.inputs, false)?;
         self.add_all(&loaded.inputs)?;
-        check::scripts(scene.spec()).try_for_each(|script| self.add_program(&script))?;
         let builder = scene.builder()?;
         let built = scene.build(&builder)?;
-        built.sources().try_for_each(|source| self.add_source(source).map(drop))?;
+        built.sources().try_for_each(|source| files_of(source).map(drop))?;
         self.add_inputs(&built)
-    }
-
-    /// Adds a program; returns its files.
-    fn add_source(&mut self, source: &ProgramSource) -> anyhow::Result<Vec<PathBuf>> {
-        let files = match source {
-            ProgramSource::Cargo(folder) => {
-                bail!("`{}` is a Rust package: build it, and name its library", folder.display())
-            }
-            ProgramSource::Embedded(program) => bail!("`{}` is not a file", program.reference),
-            ProgramSource::Sources { files, .. } => files.clone(),
-            ProgramSource::Library(file) | ProgramSource::Python(file) => vec![file.clone()],
-        };
-        files.iter().try_for_each(|file| self.add_program(file))?;
-        Ok(files)
     }
 
     /// Adds the inputs of the built scene that are missing so far, such as files that options name.
@@ -153,28 +141,11 @@ impl Collected {
         Ok(())
     }
 
-    /// Adds a program with all files that it includes or imports, directly or indirectly.
+    /// Adds a program with its parts.
     fn add_program(&mut self, path: &Path) -> anyhow::Result<()> {
-        let program = normalized(path)?;
-        let program_folder = program.parent().unwrap_or(Path::new("/"));
-        let mut pending = vec![program.clone()];
-        let mut seen = BTreeSet::new();
-        while let Some(path) = pending.pop() {
-            if !seen.insert(path.clone()) {
-                continue;
-            }
-            let bytes = read_regular(&path).with_context(|| format!("`{}`", path.display()))?;
-            let folder = path.parent().unwrap_or(Path::new("/"));
-            for name in referenced_files(&path, &String::from_utf8_lossy(&bytes)) {
-                // Modules of a package import each other from the folder of the program.
-                for folder in [folder, program_folder] {
-                    let file = normalized(&folder.join(&name))?;
-                    if file.is_file() {
-                        pending.push(file);
-                    }
-                }
-            }
-            self.0.insert(path, bytes);
+        for path in parts_of(path).iter().map(PathBuf::as_path).chain([path]) {
+            let bytes = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
+            self.0.insert(normalized(path)?, bytes);
         }
         Ok(())
     }
@@ -206,54 +177,18 @@ impl Collected {
     }
 }
 
-/// Names of the files that a C source includes (in quotation marks) or that a Python program may import.
-fn referenced_files(path: &Path, text: &str) -> Vec<String> {
-    let name = path.to_string_lossy().to_lowercase();
-    if name.ends_with(".py") || name.ends_with(".py.txt") {
-        return modules(text)
-            .into_iter()
-            .flat_map(|module| [".py", "/__init__.py"].map(|end| module.clone() + end))
-            .collect();
-    }
-    let included_file = |line: &str| {
-        let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
-        Some(rest.split('"').nth(1)?.to_owned())
-    };
-    text.lines().filter_map(included_file).collect()
-}
-
-/// Paths without extension of the modules that a Python program may import: `a/b` for `import a.b` and for
-/// `from a import b`, and the packages around them.
-fn modules(text: &str) -> Vec<String> {
-    let mut modules = Vec::new();
-    let mut statement = String::new();
-    for line in text.lines() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        statement.push_str(line.trim_end_matches('\\'));
-        statement.push(' ');
-        let is_open = statement.starts_with("from ") && statement.contains('(') && !statement.contains(')');
-        if is_open || line.ends_with('\\') {
-            continue;
+/// Files of a program, without its parts.
+///
+/// # Errors
+/// The program is a package, or is part of this process.
+fn files_of(source: &ProgramSource) -> anyhow::Result<Vec<PathBuf>> {
+    match source {
+        ProgramSource::Cargo(folder) => {
+            bail!("`{}` is a Rust package: build it, and name its library", folder.display())
         }
-        for statement in std::mem::take(&mut statement).split(';').map(str::trim) {
-            let from = statement.strip_prefix("from ").and_then(|rest| rest.split_once(" import"));
-            let Some((package, names)) = from.or_else(|| Some(("", statement.strip_prefix("import ")?))) else {
-                continue;
-            };
-            let name = package.trim().trim_start_matches('.');
-            let up = "../".repeat((package.trim().len() - name.len()).saturating_sub(1));
-            for imported in names.split([',', '(', ')']).filter_map(|name| name.split_whitespace().next()) {
-                let parts = name.split('.').chain(imported.split('.')).filter(|part| !part.is_empty());
-                let mut path = up.clone();
-                for part in parts {
-                    path.push_str(part);
-                    modules.push(path.clone());
-                    path.push('/');
-                }
-            }
-        }
+        ProgramSource::Embedded(program) => bail!("`{}` is not a file", program.reference),
+        _ => Ok(source.files()),
     }
-    modules
 }
 
 /// Absolute path without `.` and `..`.
@@ -373,18 +308,4 @@ pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked
     args.programs.iter_mut().for_each(|program| *program = program.with_program(&find(program.program())));
     args.archive = Some(archive);
     Ok(Some(unpacked))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn modules_of_all_forms_of_imports_are_found() {
-        let check = |text: &str, expected: &[&str]| assert_eq!(modules(text), expected, "{text}");
-        check("import h1, h2 as h3; import a.b  # import c", &["h1", "h2", "a", "a/b"]);
-        check("from pkg import m, n as o", &["pkg", "pkg/m", "pkg", "pkg/n"]);
-        check("  from .m import *\nfrom .. import (\n    x,  # one\n    y,\n)", &["m", "m/*", "../x", "../y"]);
-        check("from a import \\\n    b\nprint('import c')", &["a", "a/b"]);
-    }
 }

@@ -13,8 +13,10 @@ use sim_format::{Diagnostic, Severity};
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::files::slashed;
 use sim_host::launch::settings::{ProgramOption, remove_programs};
-use sim_host::launch::{Error, Options, ProgramCache, Rejected, Scene};
+use sim_host::launch::{Error, Options, ProgramCache, Rejected, Scene, check};
 use sim_host::program::Builder;
+use sim_host::program::find::ProgramSource;
+use sim_host::program::parts::parts_of;
 use sim_host::program::sandbox::Sandbox;
 use sim_host::record::report::Input;
 
@@ -131,7 +133,7 @@ impl Grader {
             scratch,
             interrupt,
         };
-        let (mut inputs, mut max_points) = (BTreeMap::new(), BTreeMap::new());
+        let (mut inputs, mut max_points, mut parts) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
         let mut programs = ProgramCache::default();
         for (variant, case) in grader.variants_of_suite() {
             let built = grader.own_scene(case).and_then(|scene| scene.build_with(&builder, &mut programs));
@@ -139,9 +141,13 @@ impl Grader {
             let points = grader.suite.spec.checks.iter().chain(&built.scene().checks).map(|check| check.points).sum();
             max_points.insert(variant.to_owned(), points);
             inputs.extend(built.inputs().iter().map(|input: &Input| (input.path.clone(), input.sha256.clone())));
+            let of_scripts = check::scripts(built.scene()).flat_map(|script| parts_of(&script));
+            parts.extend(built.sources().flat_map(ProgramSource::parts).chain(of_scripts));
         }
         grader.max_points = max_points;
-        let names = inputs.keys().filter_map(|path| Some(Path::new(path).file_name()?.to_string_lossy().into_owned()));
+        // A submission may have headers and modules of the same names as those of the suite's programs.
+        let supplied = inputs.keys().map(Path::new).filter(|path| !parts.contains(*path));
+        let names = supplied.filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
         grader.supplied = names.chain(["eye.py".to_owned()]).collect();
         grader.key = grader.hash(&inputs);
         grader.builder = Some(builder);

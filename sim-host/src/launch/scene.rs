@@ -15,6 +15,7 @@ use super::settings::{Settings, assign_noise};
 use super::{Error, OptionError, Options, Rejected, check};
 use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::find::SearchPath;
+use crate::program::parts::parts_of;
 use crate::program::scene::{Programs, generation_hint};
 use crate::program::{Builder, Cache, GenerationHint, Kits, Tools};
 use crate::record::report::Input;
@@ -157,7 +158,8 @@ impl Scene {
         }
         let settings = self.settings()?;
         let option_files = || settings.costs_input.iter().chain(&settings.stdin_input);
-        let scripts = hash_files(check::scripts(&self.loaded.scene));
+        let files_of_script = |script: PathBuf| parts_of(&script).into_iter().chain([script]);
+        let scripts = hash_files(check::scripts(&self.loaded.scene).flat_map(files_of_script));
         let key = ProgramCache::key(&self.loaded.scene);
         if let Some((programs, sources)) = cache.programs_by_key.get(&key) {
             let Self { options, files, loaded: Loaded { scene, diagnostics, inputs, .. } } = self;
