@@ -502,3 +502,23 @@ fn what_a_robios_7_program_sent_goes_out_after_its_end() {
         assert_eq!(said["text"].as_str().map(str::trim), Some("6"), "{medium}");
     }
 }
+
+#[test]
+fn robots_that_start_together_find_each_other() {
+    let program = "
+        #include \"eyebot.h\"
+        int main(void)
+        {
+            int ids[256];
+            RADIOInit();
+            printf(\"%d\\n\", RADIOStatus(ids));
+            return 0;
+        }";
+    let scratch = row(&["hello.c", "hello.c", "hello.py"], "");
+    scratch.write("hello.c", program);
+    scratch.write("hello.py", "from eye import *\nRADIOInit()\nprint(len(RADIOStatus()))\n");
+    let (_, trace) = traced(&scratch, &["--api", "7"], 0);
+    for robot in 1..=3 {
+        assert_eq!(printed(&trace, robot), ["3"]);
+    }
+}

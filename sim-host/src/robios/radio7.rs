@@ -7,7 +7,7 @@ use sim_core::radio::BUFFER_BYTES;
 use sim_core::world::World;
 
 use super::caller::Poll;
-use super::robot::Robot;
+use super::robot::{Robot, WaitReason};
 use super::{os7, radio};
 
 /// Maximum length of a text in bytes, without the final 0, which takes one byte of the buffer.
@@ -54,15 +54,24 @@ pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Pol
     })
 }
 
-/// `RADIOStatus`: addresses of the stations that were on at the slot's start, and of the robot's own station.
-pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 {
+/// `RADIOStatus`: addresses of the stations that were on at the slot's start. The station of a robot that has switched
+/// it on in this slot waits for the slot's end, so that robots that start together find each other.
+pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> Poll<i32> {
     if addresses.is_null() {
-        return robot.refuse_call(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());
+        let reason = |_: &_| "no place for the addresses".to_owned();
+        return Poll::Ready(robot.refuse_call(Call::RADIOStatus, 0, reason));
     }
-    let Some(own) = robot.radio_member() else { return radio::refuse_while_off(robot, Call::RADIOStatus, 0) };
-    let others = world.radio().members().iter().filter(|member| member.robot != own.robot);
+    let Some(own) = robot.radio_member() else {
+        return Poll::Ready(radio::refuse_while_off(robot, Call::RADIOStatus, 0));
+    };
+    let members = world.radio().members();
+    let is_listed = members.iter().any(|member| member.robot == own.robot);
+    if !is_listed && !robot.timers.in_callback {
+        return Poll::Pending { at: world.slot_end(), reason: WaitReason::Time(world.slot_end()) };
+    }
+    let others = members.iter().filter(|member| member.robot != own.robot);
     let mut members: Vec<_> = others.chain([&own]).collect();
     members.sort_unstable_by_key(|member| member.robot);
     let found: Vec<i32> = members.iter().map(|member| i32::try_from(member.address).unwrap_or(i32::MAX)).collect();
-    addresses.set(&found) as i32
+    Poll::Ready(addresses.set(&found) as i32)
 }

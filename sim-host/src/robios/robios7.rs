@@ -287,11 +287,11 @@ impl<F: Flow> Robios7 for Caller<F> {
         fn RADIOGetID() -> i32 = |robot, _| os7::machine_id(robot);
         fn RADIOSend(id: i32, buf: Text<'_>) -> i32 = |robot, world| radio7::send(robot, world, id, buf);
         fn RADIOCheck() -> i32 = |robot, _| radio::check(robot, Call::RADIOCheck);
-        fn RADIOStatus(id_list: &mut OutInts) -> i32 = |robot, world| radio7::status(robot, world, id_list);
         fn RADIORelease() -> i32 = |robot, _| radio7::release(robot);
     }
     wait! {
         fn RADIOReceive(id: &mut Out<i32>, buf: &mut OutBytes) -> i32 = |robot, _| radio7::receive(robot, id, buf);
+        fn RADIOStatus(id_list: &mut OutInts) -> i32 = |robot, world| radio7::status(robot, world, id_list);
     }
 
     // SIM.
