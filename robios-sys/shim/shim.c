@@ -190,6 +190,8 @@ static int reaches_host(void)
 static void returned(int32_t status, struct exit_point *exit_point)
 {
     self.exit_point = exit_point;
+    /* Within the call instruction, so that no return address left on the stack passes for the call in progress. */
+    self.call_site.address = (const char *)self.call_site.address - 1;
     if (status == EYESIM_STOP || is_cancelled())
         stop();
 }

@@ -119,7 +119,7 @@ pub type Run =
     unsafe extern "C" fn(host: *const Host, robot: *mut c_void, argc: c_int, argv: *const *const c_char) -> c_int;
 
 /// Location of the program's call in progress. The shim writes it before each call, and the host reads it to report
-/// where a program waits.
+/// where a program waits. After a call the shim of C makes `address` less by 1.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallSite {

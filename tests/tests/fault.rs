@@ -142,6 +142,26 @@ fn a_picture_into_a_wild_pointer_names_the_line_of_the_call() {
     }
 }
 
+/// The stack of a crashed function of the C library contains return addresses of the last call of RoBIOS.
+#[test]
+fn a_crash_in_the_c_library_names_its_own_line() {
+    let scratch = Scratch::new();
+    let text = "#include \"eyebot.h\"\n#include <stdio.h>\nint main(void) {\n    int x;\n    VWStraight(100, 100);\n    VWWait();\n    \
+                FILE *f = fopen(\"none.txt\", \"r\");\n    fscanf(f, \"%d\", &x);\n    return 0;\n}\n";
+    scratch.write("broken.c", text);
+    let text = "#include \"eyebot.h\"\nint main(void) {\n    int n = 1;\n    VWStraight(100, 100);\n    VWWait();\n    n = n + 1;\n    \
+                LCDPrintf(\"%s\", n);\n    return 0;\n}\n";
+    scratch.write("format.c", text);
+    let scene = write_scene(&scratch, &["broken.c", "format.c"]);
+    for exec in ["fiber", "thread", "process"] {
+        let report = scratch.report(scene.to_str().expect("UTF-8"), &["--exec", exec], 1);
+        for (robot, line) in ["broken.c:8, last", "format.c:7, last"].into_iter().enumerate() {
+            let reason = report["robots"][robot]["reason"].as_str().expect("a reason");
+            assert!(reason.contains(line), "{exec}: {reason}");
+        }
+    }
+}
+
 #[test]
 fn a_wait_for_a_key_that_never_comes_names_key_time_and_line() {
     let scratch = Scratch::new();

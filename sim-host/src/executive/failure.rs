@@ -27,6 +27,17 @@ pub struct Failure {
 /// Depth of the search for return addresses from the stack pointer, in words.
 pub(super) const MAX_SEARCH_WORDS: usize = 4096;
 
+/// The words of a stack without those that are left over from earlier calls: if `call`, the program's call site, is in
+/// progress, those below it; otherwise those of this last call, which become 0. Async-signal-safe.
+pub(super) fn live_words(words: &mut [usize], call: usize) -> &[usize] {
+    if let Some(index) = words.iter().position(|word| *word == call && call != 0) {
+        return &words[index..];
+    }
+    // The shim makes the site less by 1 when the call returns.
+    words.iter_mut().filter(|word| **word == call.wrapping_add(1)).for_each(|word| *word = 0);
+    words
+}
+
 /// Distance from the low end of the stack, in bytes, within which a crash is reported as a stack overflow (a guard page
 /// lies below the stack).
 const GUARD_REACH: usize = 64 << 10;

@@ -4,7 +4,9 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::EndReason;
-use super::failure::{Failure, ILLEGAL_DIVISION, ILLEGAL_INSTRUCTION, INVALID_POINTER, NULL_POINTER, STACK_OVERFLOW};
+use super::failure::{
+    Failure, ILLEGAL_DIVISION, ILLEGAL_INSTRUCTION, INVALID_POINTER, NULL_POINTER, STACK_OVERFLOW, live_words,
+};
 use super::process::CodeLocation;
 use super::program::RobotProgram;
 use super::reason;
@@ -418,16 +420,18 @@ pub(super) fn line_of_location(location: &CodeLocation, program: &RobotProgram) 
     }
 }
 
-/// Returns the addresses of a failure without the words of the stack below the call in progress, which may be left over
-/// from earlier calls. A program in its own process has already omitted them.
+/// Returns the addresses of a failure without words that are left over from earlier calls. A program in its own process
+/// has already omitted them.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
-    let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
-    let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {
-        return addresses.to_vec();
-    };
-    let call = thread.call_site().address.addr();
-    let in_progress = words.iter().position(|word| *word == call && call != 0).unwrap_or(0);
-    std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
+    let mut addresses = addresses.to_vec();
+    if let RobotProgram::InHost { program: thread, .. } = program
+        && let Some((pc, words)) = addresses.split_first_mut()
+        && !thread.addresses().contains(pc)
+    {
+        let live = live_words(words, thread.call_site().address.addr()).to_vec();
+        addresses.splice(1.., live);
+    }
+    addresses
 }
 
 /// Returns true if the program failed because it had overwritten the heap's data between blocks, as its shim found

@@ -17,7 +17,7 @@ use robios_sys::{
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::confine::protect_host;
-use crate::executive::failure::MAX_SEARCH_WORDS;
+use crate::executive::failure::{MAX_SEARCH_WORDS, live_words};
 use crate::executive::guard::below_guard;
 use crate::executive::signal::{self, Crash, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
@@ -362,18 +362,16 @@ fn store_span(base: usize) {
     LIBRARY[1].store(high.unwrap_or(base), Ordering::Relaxed);
 }
 
-/// The words of the stack in `words` that belong to the call in progress, if the crash at `pc` is outside the program's
-/// code: words below may be left over from earlier calls.
-fn without_stale(words: &[u8], pc: usize) -> &[u8] {
+/// The words of the stack in `words` that are not left over from earlier calls, if the crash at `pc` is outside the
+/// program's code.
+fn without_stale(words: &mut [usize], pc: usize) -> &[usize] {
     let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
     let site = CALL_SITE.load(Ordering::Relaxed);
     if library.contains(&pc) || site.is_null() || !site.is_aligned() {
         return words;
     }
     // SAFETY: by the description's contract it points to a variable of the program, which runs on this thread.
-    let address = unsafe { site.read() }.address.addr();
-    let index = words.chunks_exact(size_of::<usize>()).position(|word| word == address.to_ne_bytes());
-    &words[index.unwrap_or(0) * size_of::<usize>()..]
+    live_words(words, unsafe { site.read() }.address.addr())
 }
 
 /// The bytes of words.
@@ -426,8 +424,8 @@ fn report_crash(block: &FlowBlock, crash: Crash) {
         return connection.channel.report_location([crash.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
     print_unfinished(connection, block);
-    let words = bytes_of(&words[..count]);
-    connection.send(kind::CRASH, &[&crash_header(&crash, 0, [low, high]), without_stale(words, crash.pc)]);
+    let words = bytes_of(without_stale(&mut words[..count], crash.pc));
+    connection.send(kind::CRASH, &[&crash_header(&crash, 0, [low, high]), words]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + crash.signal) }
 }
