@@ -158,19 +158,35 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// Guess of the number that the user meant. Corrects a comma instead of the point or after the number, letters instead
-/// of digits, or an attached unit.
+/// Guess of the number that the user meant. Corrects a comma instead of the point, after the number or before each
+/// three digits, letters instead of digits, or an attached unit.
 pub(super) fn guessed_number(word: &str) -> Option<String> {
     let word = word.trim_end_matches([',', ';']);
+    let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
     let corrected = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',
         ',' => '.',
         c => c,
     };
-    let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
-    let guess: String = without_unit.chars().map(corrected).collect();
+    let guess = match has_thousands(without_unit) {
+        true => without_unit.replace(',', ""),
+        false => without_unit.chars().map(corrected).collect(),
+    };
     guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
+}
+
+/// Returns true for a whole number with a comma before each three digits, such as `2,000`.
+fn has_thousands(word: &str) -> bool {
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let mut groups = word.trim_start_matches(['+', '-']).split(',');
+    let head = groups.next().unwrap_or_default();
+    let mut groups = groups.peekable();
+    (1..=3).contains(&head.len())
+        && is_digits(head)
+        && !head.starts_with('0')
+        && groups.peek().is_some()
+        && groups.all(|group| group.len() == 3 && is_digits(group))
 }
 
 /// Numbers of a line of exactly `N` values; reports each invalid one. `None`, without a message, for another count.
@@ -234,6 +250,8 @@ mod tests {
         assert_eq!(guessed_number("360mm").as_deref(), Some("360"));
         assert_eq!(guessed_number("1OO").as_deref(), Some("100"));
         assert_eq!(guessed_number("wide"), None);
-        assert_eq!(guessed_number("1,000,000"), None);
+        assert_eq!(guessed_number("1,000,000").as_deref(), Some("1000000"));
+        assert_eq!(guessed_number("-2,000mm").as_deref(), Some("-2000"));
+        assert_eq!(guessed_number("0,125").as_deref(), Some("0.125"));
     }
 }

@@ -152,6 +152,8 @@ const MAX_ATTEMPTS: u32 = 100;
 const MAX_FULL_ATTEMPTS: u32 = 5;
 /// Number of seeds for which [`check_scene`] loads a scene with random values.
 const CHECKED_SEED_COUNT: u64 = 10;
+/// Extensions of the files that a `.sim` file names, which users omit.
+const EXTENSIONS: [&str; 4] = [".wld", ".maz", ".robi", ".esobj"];
 
 /// Loads a scene like [`load_scene`], with values that override those of the scene.
 ///
@@ -476,6 +478,9 @@ impl<'a> Loader<'a> {
             let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
             diagnostic.suggestion = match built_in {
                 Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
+                None if reference.text.starts_with(['~', '$']) => {
+                    Some("`~` and variables such as `$HOME` are not expanded: write the whole path".to_owned())
+                }
                 None => self.similar_path(&candidates).map(|name| format!("there is `{name}`")),
             };
         }
@@ -505,13 +510,23 @@ impl<'a> Loader<'a> {
         Some((path, bytes))
     }
 
-    /// File with a similar name in one of the folders tried.
+    /// File with a similar name, or with an extension in addition, in one of the folders tried.
     fn similar_path(&self, paths: &[String]) -> Option<String> {
         paths.iter().find_map(|path| {
-            let mut names = self.files.list(path::folder_of(path));
-            names.sort_unstable();
             let folder = &path[..path.len() - path::file_name(path).len()];
-            let nearest = line::nearest(path::file_name(path), names.iter().map(String::as_str))?;
+            let mut names = self.files.list(path::folder_of(path));
+            // A name without an extension is probably that of a folder.
+            names.retain(|name| name.contains('.'));
+            names.sort_unstable();
+            let name = path::file_name(path).to_lowercase();
+            let is_of_stem = |other: &&String| {
+                let other = other.to_lowercase();
+                EXTENSIONS.iter().any(|extension| other.strip_suffix(extension) == Some(&name))
+            };
+            let nearest = match names.iter().find(is_of_stem) {
+                Some(name) => name,
+                None => line::nearest(path::file_name(path), names.iter().map(String::as_str))?,
+            };
             Some(format!("{folder}{nearest}"))
         })
     }

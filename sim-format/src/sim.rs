@@ -11,7 +11,7 @@ use super::spec::{
     Dialect, LooksSpec, MarkerSpec, ObjectLine, RobotLine, SimSpec, SpannedText, StartRef, TypeRef, WorldKind,
     WorldLine,
 };
-use super::{Span, builtin, path};
+use super::{Span, builtin, path, world};
 use sim_core::pose::Pose;
 
 /// First words of lines, except for the names of types.
@@ -161,6 +161,20 @@ impl Reader {
             self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX);
             return;
         };
+        if let [x, y, phi, program] = &rest[1..]
+            && [x, y, phi].into_iter().all(is_number)
+            && !is_number(program)
+        {
+            let message = format!("`{}` has its program after the start pose", keyword.text);
+            let [robi, program] = [robi, program].map(quoted);
+            let pose = format!("{} {} {}", x.text, y.text, phi.text);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
+                Some(match builtin::ROBOTS.iter().find(|name| name.eq_ignore_ascii_case(&robi)) {
+                    Some(name) => format!("write `{name} {pose} {program}`"),
+                    None => format!("write `{} {robi} {program} {pose}`", keyword.text),
+                });
+            return;
+        }
         let name_count = rest.iter().take_while(|word| !is_number(word)).count();
         if name_count > 2 && count_numbers(&rest[name_count..]) >= 3 {
             let message = format!("`{}` is followed by {name_count} names, not 2", keyword.text);
@@ -270,6 +284,12 @@ impl Reader {
                 Some(format!("write `{} {} {}`", kind.text, words.join(" "), first.text));
             return;
         }
+        if world::KEYWORDS.iter().any(|word| word.eq_ignore_ascii_case(first.text)) {
+            let message = format!("`{}` describes a world", first.text);
+            self.sink.report(severity, Code::SimKeyword, first.span, message, KEYWORD_SYNTAX).suggestion =
+                Some("write this line into the file `NAME.wld` that `world NAME.wld` names".to_owned());
+            return;
+        }
         if nearest.is_none() && count_numbers(rest) > 1 {
             let message = short_pose_message(first, count_numbers(rest));
             self.sink.report(severity, Code::SimPlaceArity, line_span(first, rest), message, PLACE_NAMED);
@@ -301,8 +321,15 @@ impl Reader {
             None if !is_number(&rest[0]) && count_numbers(&rest[1..]) >= 3 => {
                 let message = format!("`{}` stands before the start pose", rest[0].text);
                 let pose = rest[1..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
-                self.sink.error(Code::SimPlaceArity, span, message, syntax).suggestion =
-                    Some(format!("write `{} {pose} {}`", name.text, rest[0].text));
+                let is_program = !path::extension(rest[0].text).is_empty();
+                self.sink.error(Code::SimPlaceArity, span, message, syntax).suggestion = Some(if is_program {
+                    format!("write `{} {pose} {}`", name.text, rest[0].text)
+                } else {
+                    format!(
+                        "a name of two words stands between double quotes: `\"{} {}\" {pose}`",
+                        name.text, rest[0].text
+                    )
+                });
                 return None;
             }
             None => {

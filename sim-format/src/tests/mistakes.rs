@@ -108,13 +108,17 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (
         Code::SimPlaceArity,
         "a.sim",
-        "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\nS4 a.c 500 500 0\n",
+        "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\nS4 a.c 500 500 0\nS4 Goal 5 5 0 a.c\n",
     ),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
-    (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\n"),
+    (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\nfloor 2000 2000\n"),
     (Code::SimKeyword, "a.sim", "world=a.wld\nrobi = \"my bot.robi\" a.so\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
-    (Code::SimRobiArity, "a.sim", "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\n"),
+    (
+        Code::SimRobiArity,
+        "a.sim",
+        "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\nrobot a.robi 1 2 3 a.so\nrobi s4 1 2 3 a.so\n",
+    ),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
     (
         Code::TomlKey,

@@ -324,6 +324,12 @@ fn missing_file_error_lists_tried_paths() {
     }
     assert_eq!(loaded.diagnostics[0].suggestion.as_deref(), Some("there is `a/v.wld`"));
     assert!(loaded.has_errors());
+    let suggests = |world: &str, suggestion: &str| {
+        let files = Memory::new(&[("a/b.sim", &format!("world {world}\n")), ("a/Room.WLD", ""), ("a/rooms/x.wld", "")]);
+        assert_eq!(load_scene("a/b.sim", &files).diagnostics[0].suggestion.as_deref(), Some(suggestion), "{world}");
+    };
+    suggests("room", "there is `a/Room.WLD`");
+    suggests("~/x.wld", "`~` and variables such as `$HOME` are not expanded: write the whole path");
 }
 
 #[test]
