@@ -333,7 +333,7 @@ fn wrong_arguments_and_places_are_reported() {
     scratch.write("a.suite.toml", &text);
     scratch.write("square.c", &PROGRAM.replace("VWWait();", "VWWait()"));
     reports(&["a.suite.toml", "-o", "out"], "cannot be run");
-    reports(&["a.suite.toml", "-o", "out"], "square.c:5");
+    reports(&["a.suite.toml", "-o", "out"], "square.c:6");
 }
 
 #[test]
