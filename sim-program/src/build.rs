@@ -10,7 +10,10 @@ use super::cargo::{CargoError, build_package};
 use super::compile::{Compilation, CompileError, Compiled, Kits, ShimKit};
 use super::compiler::{Compiler, CompilerError};
 use super::find::ProgramSource;
-use super::generation::{Generation, GenerationChoice, GenerationError, GenerationHint, choose};
+use super::generation::{
+    ChoiceReason, Generation, GenerationChoice, GenerationError, GenerationHint, MAX_SHOWN, choose,
+};
+use super::hint;
 use super::language::Language;
 use super::python::{Python, PythonError};
 use super::sandbox::Sandbox;
@@ -94,6 +97,19 @@ pub enum BuildError {
     /// The sources cannot be compiled or linked.
     #[error(transparent)]
     Compile(#[from] CompileError),
+    /// The sources do not compile for the stated generation, and call functions that only the other one has.
+    #[error(
+        "the program calls {} of {}, but `--api` or the scene states {}: leave that out\n{error}",
+        hint::quoted(&functions[..functions.len().min(MAX_SHOWN)]), stated.other().name(), stated.name()
+    )]
+    WrongGeneration {
+        /// The stated generation.
+        stated: Generation,
+        /// Functions called that only the other generation has.
+        functions: Vec<String>,
+        /// Error of the compilation.
+        error: CompileError,
+    },
     /// A Cargo package cannot be built into a program.
     #[error(transparent)]
     Cargo(#[from] CargoError),
@@ -385,7 +401,8 @@ impl Builder {
         let is_needed = |language: &Language| {
             *language == Language::C || sources.iter().any(|source| Language::of(source) == Some(*language))
         };
-        Language::ALL.into_iter().filter(is_needed).map(|language| self.compiler(language)).collect()
+        // C++ first: its package installs the compiler of C, too.
+        Language::ALL.into_iter().rev().filter(is_needed).map(|language| self.compiler(language)).collect()
     }
 
     fn compiler(&self, language: Language) -> Result<&Compiler, BuildError> {
@@ -475,6 +492,12 @@ fn try_both_generations<T>(
         Err(BuildError::Compile(error)) if choice.is_guess() => {
             build(&choice.switched()).ok().filter(fits).ok_or(BuildError::Compile(error))
         }
+        Err(BuildError::Compile(error)) => Err(match choice.reason {
+            ChoiceReason::Stated(functions) if !functions.is_empty() => {
+                BuildError::WrongGeneration { stated: choice.generation, functions, error }
+            }
+            _ => BuildError::Compile(error),
+        }),
         result => result,
     }
 }

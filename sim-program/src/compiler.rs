@@ -154,8 +154,8 @@ pub enum CompilerError {
         /// Output of the linker.
         output: String,
     },
-    /// A file of the probe cannot be written.
-    #[error("cannot try the compiler: {0}")]
+    /// The cache, in which the compiler is tried, cannot be written.
+    #[error("cannot try the compiler in the folder for built programs: {0}")]
     Io(#[from] io::Error),
 }
 
@@ -185,6 +185,11 @@ impl Compiler {
             }
             None => first_working(language, zig.as_ref(), cache)?,
         };
+        if let Some(key) = version_key(&command)
+            && cache.note(&key).is_none()
+        {
+            cache.set_note(&key, &version)?;
+        }
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
         let newest_standard = String::new();
         let is_zig = zig.is_some_and(|zig| zig == command);
@@ -373,15 +378,13 @@ fn zig(language: Language) -> Option<Vec<String>> {
 
 /// The version text of a compiler: from `cache` if the compiler's file has not changed since the last query.
 fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
-    let key = file_state(command).map(|state| format!("version-{}", &blake3::hash(state.as_bytes()).to_hex()[..32]));
-    if let Some(known) = key.as_ref().and_then(|key| cache.note(key)) {
-        return Ok(known);
-    }
-    let version = query_version(command)?;
-    if let Some(key) = key {
-        cache.set_note(&key, &version)?;
-    }
-    Ok(version)
+    let known = version_key(command).and_then(|key| cache.note(&key));
+    known.map_or_else(|| query_version(command), Ok)
+}
+
+/// The key in the cache of a compiler's version text, if its [state](file_state) is known.
+fn version_key(command: &[String]) -> Option<String> {
+    file_state(command).map(|state| format!("version-{}", &blake3::hash(state.as_bytes()).to_hex()[..32]))
 }
 
 /// The command with path, size, times and inode of its file. `None` unless the file is gcc, clang or zig itself: a

@@ -186,8 +186,8 @@ pub struct GenerationChoice {
 /// Reasons for the choice of a generation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ChoiceReason {
-    /// `--api` or the scene states it.
-    Stated,
+    /// `--api` or the scene states it; the program calls these functions, which only the other generation has.
+    Stated(Vec<String>),
     /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
     /// Both generations have the functions called, but only the chosen one has these constants or types.
@@ -208,7 +208,7 @@ impl std::fmt::Display for GenerationChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (name, other) = (self.generation.name(), self.generation.other());
         match &self.reason {
-            ChoiceReason::Stated | ChoiceReason::NoCalls => f.write_str(name),
+            ChoiceReason::Stated(_) | ChoiceReason::NoCalls => f.write_str(name),
             ChoiceReason::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
             ChoiceReason::Calls(calls) | ChoiceReason::Constants(calls) => {
                 let more = if calls.len() > MAX_SHOWN { ", ..." } else { "" };
@@ -244,7 +244,7 @@ impl GenerationChoice {
 }
 
 /// Maximum number of functions in a message.
-const MAX_SHOWN: usize = 3;
+pub(super) const MAX_SHOWN: usize = 3;
 
 /// Reasons why no generation can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -293,13 +293,13 @@ pub fn choose(
 ) -> Result<GenerationChoice, GenerationError> {
     let choice = |generation, reason| Ok(GenerationChoice { generation, reason });
     let Names { calls, constants } = names_in_files(sources, folders)?;
-    if let Some(generation) = hint.api {
-        return choice(generation, ChoiceReason::Stated);
-    }
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has_function(name) && !generation.other().has_function(name);
         calls.iter().filter(is_only).cloned().collect()
     };
+    if let Some(generation) = hint.api {
+        return choice(generation, ChoiceReason::Stated(only(generation.other())));
+    }
     let (of_6, of_7) = (only(Generation::Robios6), only(Generation::Robios7));
     match (of_6.is_empty(), of_7.is_empty()) {
         (false, false) => {

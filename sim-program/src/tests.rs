@@ -414,6 +414,21 @@ fn broken_or_missing_compiler_is_reported() {
     assert!(message.starts_with("the C compiler `no-such-compiler -m32` set in $CC does not run"), "{message}");
     let missing = CompilerError::Missing { language: Language::C }.to_string();
     assert!(missing.contains("apt install gcc libc6-dev"), "{missing}");
+    // The package of the C++ compiler installs the compiler of C, too.
+    test_folder.tools.cxx = Some("no-such-c++".into());
+    test_folder.write("b.cpp", "int main() { return 5; }\n");
+    let message = test_folder.build(&["b.cpp"]).expect_err("no compilers").to_string();
+    assert!(message.starts_with("the C++ compiler `no-such-c++` set in $CXX does not run"), "{message}");
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_no_missing_compiler() {
+    let Some(test_folder) = TestFolder::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let notes = test_folder.cache.path().join("notes");
+    fs::remove_dir_all(&notes).expect("the notes of the search for a compiler");
+    fs::write(&notes, "").expect("a file");
+    let message = test_folder.build(&["a.c"]).expect_err("no folder for notes").to_string();
+    assert!(message.starts_with("cannot try the compiler in the folder for built programs: "), "{message}");
 }
 
 #[test]

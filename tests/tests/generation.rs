@@ -55,6 +55,20 @@ fn the_command_line_and_the_scene_set_it() {
 }
 
 #[test]
+fn a_program_of_the_other_generation_is_reported_with_its_functions() {
+    let (scratch, ran) = run(OF_7, &["--api", "6"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    let expected = "error: program `maze.c`: the program calls `VWStraight`, `VWWait` of RoBIOS-7, but `--api` or the \
+                    scene states RoBIOS 6: leave that out\n";
+    assert!(ran.stderr.starts_with(expected), "{ran:#?}");
+    let ran = scratch.eyesim(&["cc", "maze.c", "-o", "maze.so", "--api", "6"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("`VWWait` of RoBIOS-7"), "{ran:#?}");
+    // Another mistake in a program of the stated generation is reported alone.
+    let (_, ran) = run(&OF_7.replace("return 0", "return x"), &["--api", "7"]);
+    assert!(ran.code == Some(2) && !ran.stderr.contains("RoBIOS"), "{ran:#?}");
+}
+
+#[test]
 fn functions_of_both_generations_are_a_mistake_that_names_them() {
     let mixed = "#include \"eyebot.h\"\nint main(void) { VWInit(VW_DRIVE, 1); VWStraight(1, 2); return 0; }\n";
     let (scratch, ran) = run(mixed, &[]);

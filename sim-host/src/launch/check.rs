@@ -51,7 +51,7 @@ pub fn known_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpe
     let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
     let ProgramSource::Sources { files, .. } = found.source else { return None };
     let choice = choose(&files, generation_hint(robot), None).ok()?;
-    matches!(choice.reason, ChoiceReason::Stated | ChoiceReason::Calls(_)).then(|| choice.generation.number())
+    matches!(choice.reason, ChoiceReason::Stated(_) | ChoiceReason::Calls(_)).then(|| choice.generation.number())
 }
 
 /// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, because of any
