@@ -36,12 +36,12 @@ pub enum CargoError {
         /// Reason why it does not start.
         error: io::Error,
     },
-    /// cargo does not end within the time limit.
-    #[error("the Rust program in `{}` does not build: cargo ran too long: {error}", folder.display())]
-    Endless {
+    /// cargo was killed: at the time limit, or because the user has interrupted the process.
+    #[error("the Rust program in `{}` is not built: cargo was stopped: {error}", folder.display())]
+    Stopped {
         /// The package's folder.
         folder: PathBuf,
-        /// The error with the time limit.
+        /// The error with the reason.
         error: io::Error,
     },
     /// cargo ends with an error; our hints precede its messages, from which progress messages are removed.
@@ -88,11 +88,7 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
     let cargo = cargo.unwrap_or(Path::new("cargo"));
     let io_error = |error| CargoError::Io { folder: folder.to_owned(), error };
     let manifest = std::fs::canonicalize(folder.join("Cargo.toml")).map_err(io_error)?;
-    let workspace = workspace_manifest(cargo, &manifest).map_err(|error| CargoError::Missing {
-        cargo: cargo.to_owned(),
-        folder: folder.to_owned(),
-        error,
-    })?;
+    let workspace = workspace_manifest(cargo, &manifest).map_err(|error| not_run(cargo, folder, error))?;
     let targets = cache.folder("cargo").map_err(io_error)?;
     let name = &blake3::hash(workspace.as_os_str().as_encoded_bytes()).to_hex()[..16];
     let build = |target: &Path| build_in_folder(target, folder, &manifest, cargo);
@@ -155,14 +151,8 @@ fn build_in_folder(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) 
     for (name, value) in [("DEBUG", "line-tables-only"), ("PANIC", "unwind"), ("STRIP", "none")] {
         command.env(format!("CARGO_PROFILE_RELEASE_{name}"), value);
     }
-    let output = match build_output(&mut command, build_timeout(CARGO_TIMEOUT)) {
-        Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-            return Err(CargoError::Endless { folder: folder.to_owned(), error });
-        }
-        output => {
-            output.map_err(|error| CargoError::Missing { cargo: cargo.to_owned(), folder: folder.to_owned(), error })?
-        }
-    };
+    let output = build_output(&mut command, build_timeout(CARGO_TIMEOUT));
+    let output = output.map_err(|error| not_run(cargo, folder, error))?;
     let cargo_output = String::from_utf8_lossy(&output.stderr).into_owned();
     let messages = String::from_utf8_lossy(&output.stdout);
     if !output.status.success() {
@@ -177,6 +167,15 @@ fn build_in_folder(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) 
         library_of(&messages, manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
     let output = without_progress(&cargo_output);
     Ok(Package { library, output: in_plain_words(&output) + &output, fresh })
+}
+
+/// The reason why cargo has no result: it did not start, or it was killed.
+fn not_run(cargo: &Path, folder: &Path, error: io::Error) -> CargoError {
+    let folder = folder.to_owned();
+    match error.kind() {
+        io::ErrorKind::TimedOut | io::ErrorKind::Interrupted => CargoError::Stopped { folder, error },
+        _ => CargoError::Missing { cargo: cargo.to_owned(), folder, error },
+    }
 }
 
 fn cargo_command(cargo: &Path, manifest: &Path) -> Command {
@@ -239,6 +238,15 @@ fn without_progress(cargo_output: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_killed_cargo_is_not_reported_as_missing() {
+        let message = |kind| not_run(Path::new("cargo"), Path::new("maze"), io::Error::new(kind, "why")).to_string();
+        for kind in [io::ErrorKind::Interrupted, io::ErrorKind::TimedOut] {
+            assert_eq!(message(kind), "the Rust program in `maze` is not built: cargo was stopped: why");
+        }
+        assert!(message(io::ErrorKind::NotFound).contains("install Rust"));
+    }
 
     #[test]
     fn library_is_found_in_messages_about_its_package() {

@@ -439,5 +439,5 @@ fn a_build_script_that_loops_is_ended() {
     let ran = scratch.command(&["run", "scene.sim"]).env("EYESIM_BUILD_TIMEOUT", "5").output().expect("eyesim starts");
     let ran = tests::Ran::from(ran);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
-    assert!(ran.stderr.contains("cargo ran too long") && ran.stderr.contains("after 5 s"), "{ran:#?}");
+    assert!(ran.stderr.contains("cargo was stopped") && ran.stderr.contains("after 5 s"), "{ran:#?}");
 }
