@@ -146,7 +146,8 @@ impl std::fmt::Display for FindError {
             folder = problem.is_none().then(|| path.parent());
         }
         // For a source of another language, the attempt's description contains the advice.
-        if foreign.iter().any(|attempt| other_language(&attempt.path).is_none() && !attempt.path.is_dir()) {
+        let is_source = |path: &Path| Language::of(path).is_some() || is_python(path) || other_language(path).is_some();
+        if foreign.iter().any(|attempt| !is_source(&attempt.path) && !attempt.path.is_dir()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
             )?;
@@ -888,6 +889,10 @@ mod tests {
         let folder = test_folder.check_missing("mine.c");
         assert!(folder.contains("mine.c` is a folder without `Cargo.toml`, `.c` or `.cpp` files"), "{folder}");
         assert!(!folder.contains("put its source") && !folder.contains("did you mean"), "{folder}");
+        let _socket = std::os::unix::net::UnixListener::bind(test_folder.folder.path().join("sims/bound.c"));
+        let unreadable = test_folder.check_missing("bound.c");
+        assert!(unreadable.contains("bound.c` is unreadable"), "{unreadable}");
+        assert!(!unreadable.contains("put its source"), "{unreadable}");
     }
 
     #[test]
