@@ -279,3 +279,29 @@ fn programs_of_other_systems_are_named_or_replaced() {
     assert!(ran.stderr.contains("prog.x` is an executable for "), "{ran:#?}");
     assert!(ran.stderr.contains("prog.c` beside it is used instead"), "{ran:#?}");
 }
+
+#[test]
+fn unknown_functions_of_only_are_reported() {
+    let scratch = scene("OSWait(5); return 0;");
+    let ran = scratch.eyesim(&["run", "scene.sim", "-v", "--only", "OSWait,VWStraigt"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("--only: there is no function `VWStraigt`, did you mean `VWStraight`?"), "{ran:#?}");
+    // Services, which `-v` shows too, have names as well.
+    let ran = scratch.eyesim(&["run", "scene.sim", "-v", "--only", "os*, console"]);
+    assert!(ran.code == Some(0) && ran.stderr.contains("OSWait(5) = 0"), "{ran:#?}");
+}
+
+#[test]
+fn a_missing_installation_is_reported() {
+    let scratch = Scratch::new();
+    let run = |args: &[&str]| {
+        Ran::from(
+            scratch.command(args).env("EYESIM_HOME", scratch.path().join("none")).output().expect("eyesim starts"),
+        )
+    };
+    let ran = run(&["run", "--example", "demo"]);
+    assert_eq!(ran.code, Some(2), "{ran:#?}");
+    assert!(ran.stderr.contains("none/sims`: name an installation in $EYESIM_HOME"), "{ran:#?}");
+    let ran = run(&["doctor"]);
+    assert!(ran.stdout.starts_with("missing  installation"), "{ran:#?}");
+}

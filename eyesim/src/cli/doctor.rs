@@ -82,7 +82,7 @@ pub fn run(_: &DoctorArgs) -> anyhow::Result<ExitCode> {
     let mut findings = vec![Finding::new(
         "installation",
         "what `%sim%` stands for: worlds, robots, examples",
-        DiskFiles::of_environment().home().map(str::to_owned),
+        DiskFiles::of_environment().home().filter(|home| Path::new(home).join("worlds").is_dir()).map(str::to_owned),
         "set EYESIM_HOME to a folder with `worlds` and `robis`",
     )];
     match &cache {

@@ -263,6 +263,7 @@ fn example(name: &Path) -> anyhow::Result<PathBuf> {
     let files = DiskFiles::of_environment();
     let home = files.home().context("--example: this eyesim has no installation, name one in $EYESIM_HOME")?;
     let sims = format!("{home}/sims");
+    ensure!(Path::new(&sims).is_dir(), "--example: there is no folder `{sims}`: name an installation in $EYESIM_HOME");
     let endings = [".sim", ".scene.toml"];
     let candidates = endings.map(|ending| PathBuf::from(format!("{sims}/{}{ending}", name.display())));
     if let Some(scene) = candidates.into_iter().find(|scene| scene.is_file()) {

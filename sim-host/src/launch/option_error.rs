@@ -75,12 +75,14 @@ pub enum OptionError {
         /// The scene.
         scene: String,
     },
-    /// A function that an option forbids is unknown.
+    /// A function that an option names is unknown.
     #[error(
-        "--forbid: there is no function `{pattern}`{}",
+        "{option}: there is no function `{pattern}`{}",
         suggestion.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
     )]
     UnknownFunction {
+        /// The option.
+        option: &'static str,
         /// Name or pattern.
         pattern: String,
         /// Name or pattern that was probably meant.

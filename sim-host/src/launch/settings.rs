@@ -72,7 +72,7 @@ impl Settings {
             None => (scene_costs(scene)?, None),
         };
         if let Some((pattern, suggestion)) = options.forbid.iter().flat_map(|text| forbidden::mistakes(text)).next() {
-            return Err(OptionError::UnknownFunction { pattern, suggestion });
+            return Err(OptionError::UnknownFunction { option: "--forbid", pattern, suggestion });
         }
         let scene_patterns = scene.run.forbid.iter().map(|pattern| pattern.text.as_str());
         let forbidden = Forbidden::new(scene_patterns.chain(options.forbid.iter().map(String::as_str)));

@@ -1,6 +1,6 @@
 //! Functions that a scene forbids to its programs: their calls fail as documented, have no effect and are recorded.
 
-use robios_sys::{Robios6Call, Robios7Call};
+use robios_sys::{Robios6Call, Robios7Call, SupportCall};
 
 use super::call::Call;
 use super::cost;
@@ -45,11 +45,20 @@ fn names() -> impl Iterator<Item = &'static str> {
 /// Patterns of `text` that match no function, each with the name or pattern that was probably meant. An empty text is
 /// also such a pattern.
 pub fn mistakes(text: &str) -> Vec<(String, Option<String>)> {
+    unmatched(text, &names().collect::<Vec<_>>())
+}
+
+/// Like [`mistakes`], for patterns that may also match services of the language runtime.
+pub fn mistakes_with_services(text: &str) -> Vec<(String, Option<String>)> {
+    unmatched(text, &names().chain(SupportCall::ALL.iter().map(|call| call.name())).collect::<Vec<_>>())
+}
+
+fn unmatched(text: &str, names: &[&str]) -> Vec<(String, Option<String>)> {
     let patterns = Pattern::parse_list(text);
     if patterns.is_empty() {
         return vec![(text.to_owned(), None)];
     }
-    let unknown = patterns.into_iter().filter(|pattern| !names().any(|name| pattern.matches(name)));
+    let unknown = patterns.into_iter().filter(|pattern| !names.iter().any(|name| pattern.matches(name)));
     unknown.map(|pattern| (pattern.to_string(), suggestion(&pattern.to_string()))).collect()
 }
 

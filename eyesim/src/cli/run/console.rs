@@ -19,11 +19,12 @@ use sim_host::executive::scheduler::{self, Scheduler};
 use sim_host::executive::script::Script;
 use sim_host::files::slashed;
 use sim_host::launch::settings::index_of;
-use sim_host::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, Running, Scene, check};
+use sim_host::launch::{BuiltScene, Error, Finished, Observers, OptionError, Ready, Rejected, Running, Scene, check};
 use sim_host::record::log::{Filter, Pattern};
 use sim_host::record::report::Input;
 use sim_host::record::trace::TraceHeader;
 use sim_host::record::{Log, RecordError, Recorded, Report, Sink, TraceFile, Trails};
+use sim_host::robios::forbidden;
 
 use super::{RunArgs, Speed};
 use crate::cli::diagnostic::{self, Colour, Format};
@@ -299,9 +300,13 @@ pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
 /// Filter of the lines shown during the run.
 ///
 /// # Errors
-/// If the scene has no such robot.
+/// If the scene has no such robot, or a pattern matches no function.
 pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter> {
     let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
+    let mistakes = args.only.as_deref().map(forbidden::mistakes_with_services).unwrap_or_default();
+    if let Some((pattern, suggestion)) = mistakes.into_iter().next() {
+        return Err(OptionError::UnknownFunction { option: "--only", pattern, suggestion }.into());
+    }
     Ok(Filter {
         is_verbose: args.verbose,
         only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
