@@ -49,6 +49,23 @@ async function drag(from, to) {
   await page.mouse.up();
 }
 
+test("the whole world stays in view when the window becomes narrow, until the user changes the view", { skip }, async () => {
+  const isWhole = () => {
+    const { model, view } = globalThis.eyesim;
+    const [[left, low], [right, high]] = model.scene.bounds_m;
+    const box = document.querySelector("canvas").getBoundingClientRect();
+    return [left, right].every((x) => [low, high].every((y) => {
+      const at = view.where(x, y, 0);
+      return at.x > box.left && at.x < box.right && at.y > box.top && at.y < box.bottom;
+    }));
+  };
+  assert(await page.evaluate(isWhole));
+  await page.setViewportSize({ width: 360, height: 700 });
+  await page.waitForFunction(isWhole);
+  await page.setViewportSize({ width: 800, height: 500 });
+  await page.waitForFunction(isWhole);
+});
+
 test("dragging moves a robot and an object", { skip }, async () => {
   await control("canvas").focus();
   const z = middle(received.scene.robots[0]);

@@ -32,6 +32,8 @@ export class ViewCamera {
   /** Called when the mode or the view has changed. */
   onchange: () => void = () => {};
   private transition: Transition | null = null;
+  /** Direction from which the whole world is shown; null after the user has changed the view. */
+  private wholeFrom: THREE.Vector3 | null = null;
   private readonly lastPosition = new THREE.Vector3();
   private readonly position = new THREE.Vector3();
   private followed: BodyView | null = null;
@@ -51,11 +53,12 @@ export class ViewCamera {
     this.controls.zoomToCursor = true;
     this.controls.screenSpacePanning = false;
     this.controls.addEventListener("change", () => this.onchange());
-    this.controls.addEventListener("start", () => (this.transition = null));
+    this.controls.addEventListener("start", () => this.release());
   }
 
   /** Follows the chosen robot, looks through its camera, or neither. */
   setMode(mode: Mode): void {
+    this.wholeFrom = null;
     if (this.mode === "robot" && mode !== "robot") {
       this.mode = mode;
       this.camera.fov = FOV_DEG;
@@ -71,6 +74,7 @@ export class ViewCamera {
   resize(): void {
     this.camera.aspect = this.element.clientWidth / Math.max(1, this.element.clientHeight);
     this.camera.updateProjectionMatrix();
+    if (this.wholeFrom) this.viewFrom(this.wholeFrom, false);
     this.onchange();
   }
 
@@ -87,6 +91,7 @@ export class ViewCamera {
   /** Moves a body to the centre of the view. */
   centre(body: BodyView): void {
     if (this.mode === "robot") return;
+    this.wholeFrom = null;
     const target = new THREE.Vector3(body.pose.x_m, body.pose.y_m, 0);
     const offset = this.camera.position.clone().sub(this.controls.target);
     const distance = Math.min(offset.length(), 30 * body.extent.radius_m);
@@ -96,7 +101,7 @@ export class ViewCamera {
   /** Rotates the camera about its target by steps, for keys. */
   orbit(left: number, up: number): void {
     if (this.mode === "robot") return;
-    this.transition = null;
+    this.release();
     const { target, azimuth, polar, distance } = this.orbitPose;
     const maxPolar = this.controls.maxPolarAngle;
     this.orbitPose = { target, azimuth: azimuth + left, polar: Math.min(maxPolar, Math.max(1e-3, polar - up)), distance };
@@ -104,7 +109,7 @@ export class ViewCamera {
 
   zoom(factor: number): void {
     if (this.mode === "robot") return;
-    this.transition = null;
+    this.release();
     const offset = this.camera.position.clone().sub(this.controls.target);
     const length = Math.min(this.controls.maxDistance, Math.max(this.controls.minDistance, offset.length() * factor));
     this.camera.position.copy(this.controls.target).addScaledVector(offset.normalize(), length);
@@ -113,7 +118,7 @@ export class ViewCamera {
 
   pan(right: number, ahead: number): void {
     if (this.mode === "robot") return;
-    this.transition = null;
+    this.release();
     const step = 0.06 * this.camera.position.distanceTo(this.controls.target);
     const [x, y] = this.axes();
     const move = new THREE.Vector3(x.x * right + y.x * ahead, x.y * right + y.y * ahead, 0).multiplyScalar(step);
@@ -158,11 +163,18 @@ export class ViewCamera {
     this.home(false);
   }
 
+  /** Leaves the view to the user. */
+  private release(): void {
+    this.transition = null;
+    this.wholeFrom = null;
+  }
+
   private viewFrom(direction: THREE.Vector3, isSmooth: boolean): void {
     const scene = this.model.scene;
     if (!scene) return;
     if (this.mode === "robot") return this.setMode("free");
     if (this.mode === "follow") this.setMode("free");
+    this.wholeFrom = direction;
     const [[left, low], [right, high]] = scene.bounds_m;
     direction.normalize();
     const target = new THREE.Vector3(0.5 * (left + right), 0.5 * (low + high), 0);
