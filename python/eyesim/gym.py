@@ -113,7 +113,7 @@ class Task:
     jitter: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Maximum deviation from the start in x, y (m) and heading (rad), drawn for each episode."""
     noise: str | None = None
-    """Noise profile: none, mild, real, harsh or a file; by default the scene's."""
+    """Noise profile: none, mild, real, harsh, course or a file; by default the scene's."""
 
 
 _BEGIN, _REST = 1, 2

@@ -149,7 +149,8 @@ pub struct RunArgs {
     /// Suite whose checks judge the run, in addition to those of the scene
     #[arg(long, value_name = "SUITE")]
     pub checks: Option<PathBuf>,
-    /// Errors of devices and drives of all robots: none, mild, real, harsh, or a noise profile; overrides the scene
+    /// Errors of devices and drives of all robots: none, mild, real, harsh, course, or a noise profile; overrides
+    /// the scene
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
     /// Motion of a robot that is pushed against a wall: slide, or stall [default: from the scene, or slide]

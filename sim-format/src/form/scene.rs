@@ -87,7 +87,7 @@ impl Form for RunSpec {
         .nullable(Word, &mut self.dialect);
         keys.key(
             "noise",
-            "Errors of devices and drives: `none` (default), `mild`, `real`, `harsh`, a file, or an inline profile.",
+            "Errors of devices and drives: `none` (default), `mild`, `real`, `harsh`, `course`, a file, or an inline profile.",
         )
         .nullable(NOISE, &mut self.noise);
         keys.key("contact", "Motion of a robot that is pushed against a wall; default: `slide`.")
