@@ -440,6 +440,9 @@ impl<T, const N: usize> ShowOut for [T; N] {
     }
 }
 
+/// Length of the longest bytes that are shown as a text: those of a radio message. Longer ones are images and samples.
+const LONGEST_TEXT: usize = 1024;
+
 /// Buffer for bytes, with its capacity: the host gets `&mut OutBytes` and [sets](Self::set) the bytes.
 ///
 /// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is
@@ -504,7 +507,11 @@ impl Param for OutBytes {
         }
     }
     fn show(held: &Self, f: &mut Formatter<'_>) -> fmt::Result {
-        if held.is_null { f.write_str("NULL") } else { write!(f, "&\"{}\"", held.bytes.escape_ascii()) }
+        match held.bytes.len() {
+            _ if held.is_null => f.write_str("NULL"),
+            length if length > LONGEST_TEXT => write!(f, "&[{length} bytes]"),
+            _ => write!(f, "&\"{}\"", held.bytes.escape_ascii()),
+        }
     }
     fn write_request(held: &Self, request: &mut Vec<u8>) {
         put_capacity((!held.is_null).then_some(held.capacity), request);

@@ -274,6 +274,20 @@ fn every_function_of_robios6_does_what_is_said() {
 }
 
 #[test]
+fn calls_are_shown_without_the_bytes_of_images() {
+    let scratch = scratch(ROBOTS);
+    let program = "#include \"eyebot.h\"\nstatic QVGAcol image;\nstatic QVGAgray grey;\nint main(void)\n{\n    char name[80];\n    \
+                   CAMInit(QVGA); CAMGet(image); IPCol2Gray(image, grey); OSMachineName(name); return 0;\n}\n";
+    scratch.write("one.c", program);
+    scratch.write("two.c", program);
+    let ran = scratch.eyesim(&["run", "a.sim", "-v", "--robot", "1"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    for expected in ["CAMGet(&[230400 bytes]) = 0", "IPCol2Gray([230400 bytes], &[76800 bytes])", "OSMachineName(&\""] {
+        assert!(ran.stderr.contains(expected), "{expected}: {:.2000}", ran.stderr);
+    }
+}
+
+#[test]
 fn images_are_the_same_however_a_run_is_run() {
     let scratch = scratch(ROBOTS);
     scratch.write("one.c", WANDERER);
