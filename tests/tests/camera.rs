@@ -106,6 +106,7 @@ int main(void)
     IS(CAMInit(CUSTOM), 1);
     CAMWIDTH = 5000; CAMHEIGHT = 10;
     IS(CAMInit(CUSTOM), 1);
+    IS(CAMGet(colours), 1);
     IS(CAMInit(VGA), 0); IS(CAMSIZE, VGA_SIZE);
     IS(CAMRelease(), 0);
     IS(CAMRelease(), 1);

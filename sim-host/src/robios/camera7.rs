@@ -14,7 +14,8 @@ use super::robot::Robot;
 /// Maximum width and height of an image in pixels.
 const MAX_SIDE: i32 = 4096;
 
-/// `CAMInit`; the program's side translates a resolution to its size.
+/// `CAMInit`; the program's side translates a resolution to its size. After a failure the camera is off: the program
+/// may have set another size.
 pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
     if robot.spec.camera.is_none() {
         let error = CameraError::Absent(robot.spec.file.clone());
@@ -23,6 +24,7 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
     let max_pixels = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     let is_size = [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side));
     if !is_resolution(resolution) || !is_size || width as usize * height as usize > max_pixels {
+        robot.devices.camera.switch_off();
         return robot.refuse_call(Call::CAMInit, 1, |_| {
             format!(
                 "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MAX_SIDE} \
