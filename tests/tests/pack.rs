@@ -63,6 +63,21 @@ fn a_packed_scene_has_the_same_digest_elsewhere() {
 }
 
 #[test]
+fn pictures_of_archives_and_examples_are_those_of_their_scenes() {
+    let course = course();
+    let packed = course.eyesim(&["pack", "course/lab/lab.scene.toml", "-o", "lab.zip"]);
+    assert_eq!(packed.code, Some(0), "{packed:#?}");
+    let shot = |scene: &[&str]| {
+        let ran = course.eyesim(&[&["shot"], scene, &["--at", "1", "-o", "view.png"]].concat());
+        assert_eq!(ran.code, Some(0), "{ran:#?}");
+        std::fs::read(course.path().join("view.png")).expect("a picture")
+    };
+    let parade = root().join("sims/parade.scene.toml");
+    assert!(shot(&["lab.zip"]) == shot(&["course/lab/lab.scene.toml"]));
+    assert!(shot(&["--example", "parade"]) == shot(&[parade.to_str().expect("a path")]));
+}
+
+#[test]
 fn a_packed_suite_has_the_same_rows_elsewhere() {
     let course = course();
     let there = report(&course, &["test", "course/lab/lab.suite.toml"]);

@@ -115,7 +115,7 @@ enum Command {
     Shot(Box<shot::ShotArgs>),
     /// Convert a scene, a world or a type to another format: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),
-    /// Write a scene or a suite with all files that its runs read into an archive, which run, view and test can open
+    /// Write a scene or a suite with all files that its runs read into an archive, which run, view, shot and test can open
     Pack(pack::PackArgs),
     /// Print the JSON schema of TOML scenes or suites, which editors use for completion
     Schema(convert::SchemaArgs),

@@ -24,6 +24,7 @@ use sim_host::robios::camera::ImageUnavailable;
 use self::display::Caption;
 use self::view::{Content, Shot, ShotCamera};
 use super::output::{check_outputs, print, say};
+use super::pack::open_for_run;
 use super::run::{self, FinishedRun, RunArgs, carry_out, parse_seconds};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 
@@ -108,6 +109,7 @@ impl Subject {
 /// If files or arguments are wrong.
 pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     let subject = subject(&mut args)?;
+    let _unpacked = open_for_run(&mut args.run)?;
     let default = if matches!(subject, Subject::Display(_)) { "lcd.png" } else { "view.png" };
     let output = args.output.take().unwrap_or_else(|| default.into());
     if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
