@@ -52,9 +52,6 @@ for _name in ("QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP", "CUSTOM"):
         globals().update({_name + "col": _ctypes.c_ubyte * (3 * _x * _y), _name + "gray": _ctypes.c_ubyte * (_x * _y)})
 BYTE, COLOR, TIMER = _ctypes.c_ubyte, _ctypes.c_int, _ctypes.c_int
 
-CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE = 320, 240, 320 * 240, 320 * 240 * 3, QVGA
-IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE = 320, 240, 320 * 240, 320 * 240 * 3
-
 # ---- the channel to the simulator: docs/protocol.md ----
 
 _CHANNEL = 32 << 20
@@ -306,7 +303,12 @@ def _memory(value, size, name):
     if isinstance(value, _ctypes.c_void_p):
         return _ctypes.string_at(value, -1 if size is None else size)
     if isinstance(value, (list, tuple)):
-        data = bytes(int(item) & 0xFF for item in value)
+        try:
+            data = bytes(int(item) & 0xFF for item in value)
+        except (TypeError, ValueError):
+            wrong = next(item for item in value if not hasattr(item, "__int__"))
+            text = ": write `[pixel for row in image for pixel in row]`" if isinstance(wrong, (list, tuple)) else ""
+            raise TypeError(f"{name}: expected a list of numbers from 0 to 255, got one with {wrong!r:.50}{text}") from None
     else:
         try:
             view = memoryview(value)
@@ -1103,21 +1105,41 @@ def _colour(data):
     return _image(data, IP_SIZE, IP_WIDTH, IP_HEIGHT)
 
 
+def _set_variables(**values):
+    """Sets variables of this module, also in the modules that have imported them: C programs share them with the library."""
+    importers = [vars(module) for module in list(_sys.modules.values()) if type(module) is type(_sys)]
+    for name, value in values.items():
+        old = globals().get(name)
+        globals()[name] = value = _Number(value)
+        for names in importers:
+            # A variable of the same name that the program has defined itself is another object.
+            if old is not None and names.get(name) is old:
+                names[name] = value
+
+
 def _set_ip_size(width, height):
-    global IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE
-    IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE = width, height, width * height, 3 * width * height
+    _set_variables(IP_WIDTH=width, IP_HEIGHT=height, IP_PIXELS=width * height, IP_SIZE=3 * width * height)
+
+
+def _set_cam_size(width, height, resolution):
+    _set_variables(
+        CAMWIDTH=width, CAMHEIGHT=height, CAMPIXELS=width * height, CAMSIZE=3 * width * height, CAMMODE=resolution
+    )
+
+
+_set_cam_size(QVGA_X, QVGA_Y, QVGA)
+_set_ip_size(QVGA_X, QVGA_Y)
 
 
 def CAMInit(resolution, width=None, height=None):
     """Switches the camera on, with a resolution such as QVGA; CUSTOM with width and height. Returns 0, 1 if there is no
     camera."""
-    global CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, _shown_width, _shown_height
+    global _shown_width, _shown_height
     resolution = _whole(resolution)
     size = _size_of(resolution, width, height)
     if _is_size(size):
-        CAMWIDTH, CAMHEIGHT = size
-        CAMPIXELS, CAMSIZE, CAMMODE = CAMWIDTH * CAMHEIGHT, 3 * CAMWIDTH * CAMHEIGHT, resolution
-        _set_ip_size(CAMWIDTH, CAMHEIGHT)
+        _set_cam_size(*size, resolution)
+        _set_ip_size(*size)
         _shown_width, _shown_height = CAMWIDTH, CAMHEIGHT
     return _call(_CAMInit, resolution, *(size or (CAMWIDTH, CAMHEIGHT)))[-1]
 

@@ -74,6 +74,38 @@ int main(void)
 "#;
 
 #[test]
+fn sizes_of_images_are_set_where_they_are_imported() {
+    let scratch = scratch(&["a.py"]);
+    scratch.write("helper.py", "from eye import *\nIP_WIDTH = 3\ndef sizes():\n    return CAMHEIGHT, IP_WIDTH\n");
+    scratch.write(
+        "a.py",
+        r#"
+from eye import *
+from helper import sizes
+CAMHEIGHT = QVGA_Y
+CAMInit(QQVGA)
+print(CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, IP_WIDTH, sizes())
+IPSetSize(CUSTOM, 4, 2)
+print(CAMWIDTH, IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE, sizes())
+LCDImageStart(0, 0, 2, 2)
+try:
+    LCDImageGray([[1, 2], [3, 4]])
+except TypeError as error:
+    print(error)
+"#,
+    );
+    let ran = scratch.eyesim(&["run", "a.sim"]);
+    assert_eq!(ran.code, Some(0), "{ran:#?}");
+    for expected in [
+        "160 240 19200 57600 0 160 (120, 3)",
+        "160 4 2 8 24 (120, 3)",
+        "LCDImageGray: expected a list of numbers from 0 to 255, got one with [1, 2]: write `[pixel for row in image for pixel in row]`",
+    ] {
+        assert!(ran.stdout.contains(expected), "{expected}: {}", ran.stdout);
+    }
+}
+
+#[test]
 fn the_same_program_gives_the_same_digest_twenty_times_and_beside_programs_in_c() {
     if !has_python() {
         return;
