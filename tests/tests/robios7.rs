@@ -305,6 +305,32 @@ fn a_wait_on_a_silent_line_is_reported() {
 }
 
 #[test]
+fn hints_name_the_reason_for_which_an_image_is_refused() {
+    let scratch = scene_of(
+        "static BYTE image[QVGA_SIZE];
+        int main(void)
+        {
+            printf(\"%d \", IPReadFile(\"maps/none.pgm\", image));
+            printf(\"%d %d \", IPWriteFile(\"none/a.ppm\", image), IPWriteFileGray(\"\", image));
+            printf(\"%d %d %d\\n\", IPSetSize(44), LCDImageSize(44), LCDImage(NULL));
+            return 0;
+        }",
+    );
+    let (lines, messages) = printed(&scratch, &[], 0);
+    assert_eq!(lines, ["-1 1 1 1 1 1"]);
+    for expected in [
+        "`IPReadFile` returned -1: `maps/none.pgm`: there is no such file in `",
+        "`IPWriteFile` returned 1: `none/a.ppm`: there is no folder `none`",
+        "`IPWriteFileGray` returned 1: ``: the name of the file is empty",
+        "`IPSetSize` returned 1: 44 is not a resolution: expected QQVGA, QVGA, ",
+        "`LCDImageSize` returned 1: 44 is not a resolution: expected QQVGA, QVGA, ",
+        "`LCDImage` returned 1: it is given no image",
+    ] {
+        assert!(messages.contains(expected), "{expected}: {messages}");
+    }
+}
+
+#[test]
 fn images_come_from_files_of_all_kinds() {
     let scratch = scene_of(
         "static BYTE image[3 * 640 * 480], edges[640 * 480];

@@ -3,7 +3,7 @@
 //! Source: RoBIOS-7 library, LCD output; `docs/robios7.md` describes our choices where the source is silent.
 
 use robios_sys::robios7::{
-    BOLD, CAM5MP, COURIER, CUSTOM, HELVETICA, ITALICS, LCD_AUTOREFRESH, LCD_BGCOL_INVERSE, LCD_BGCOL_NOINVERSE,
+    BOLD, CAM5MP, COURIER, HELVETICA, ITALICS, LCD_AUTOREFRESH, LCD_BGCOL_INVERSE, LCD_BGCOL_NOINVERSE,
     LCD_BGCOL_NOTRANSPARENT, LCD_BGCOL_TRANSPARENT, LCD_CLASSICMENU, LCD_FGCOL_INVERSE, LCD_FGCOL_NOINVERSE,
     LCD_HIDEMENU, LCD_LINEFEED, LCD_LISTMENU, LCD_NOAUTOREFRESH, LCD_NOLINEFEED, LCD_NOSCROLLING, LCD_SCROLLING,
     LCD_SHOWMENU, NORMAL, RESOLUTIONS, TIMES,
@@ -215,17 +215,6 @@ fn record_drawing(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
     0
 }
 
-/// `LCDImageSize`: only checks the resolution; each image call passes its own size.
-pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
-    if resolution == CUSTOM || RESOLUTIONS.iter().any(|(_, number, ..)| *number == resolution) {
-        return 0;
-    }
-    robot.refuse_call(Call::LCDImageSize, 1, |_| {
-        let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
-        format!("{resolution} is not a resolution: expected {} or CUSTOM", names.join(", "))
-    })
-}
-
 /// `LCDImageStart`: sets the position; each image call passes its own size.
 pub fn set_image_start(robot: &mut Robot, corner: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
@@ -258,7 +247,10 @@ pub fn show_binary(robot: &mut Robot, size: [i32; 2], image: Option<&[u8]>) -> i
 }
 
 fn show(robot: &mut Robot, call: Call, size: [i32; 2], image: Option<impl Iterator<Item = Rgb>>) -> i32 {
-    let Some(image) = image.filter(|_| is_size(size)) else { return robot.fail_call(call, 1) };
+    let Some(image) = image else { return robot.refuse_call(call, 1, |_| "it is given no image".to_owned()) };
+    if !is_size(size) {
+        return robot.fail_call(call, 1);
+    }
     let changed = robot.screen().show_image(size.map(|side| side as usize), image);
     record_drawing(robot, call, changed)
 }

@@ -1,24 +1,36 @@
 //! Image processing of RoBIOS-7: images of the size that a call passes, from and to buffers and files.
 
+use robios_sys::robios7::{CUSTOM, RESOLUTIONS};
 use robios_sys::{Out, OutBytes, Robios7Call as Call};
 
 use super::picture::{self, Size};
 use super::pnm;
 use super::robot::Robot;
 
-/// Returns true for the resolutions of `IPSetSize` and `CAMInit`: `QQVGA` to `CAM5MP`, and `CUSTOM`.
+/// Returns true for a resolution: `QQVGA` to `CAM5MP`, and `CUSTOM`.
 pub fn is_resolution(number: i32) -> bool {
-    (0..=5).contains(&number) || number == 10
+    number == CUSTOM || RESOLUTIONS.iter().any(|(_, resolution, ..)| *resolution == number)
 }
 
-/// `IPSetSize`: only checks the resolution; the program keeps the size.
-pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
-    if is_resolution(resolution) { 0 } else { robot.fail_call(Call::IPSetSize, 1) }
+/// `IPSetSize`, `LCDImageSize`: only checks the resolution; each call with an image passes its own size.
+pub fn set_resolution(robot: &mut Robot, call: Call, resolution: i32) -> i32 {
+    if is_resolution(resolution) {
+        return 0;
+    }
+    robot.refuse_call(call, 1, |_| {
+        let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
+        format!("{resolution} is not a resolution: expected {} or CUSTOM", names.join(", "))
+    })
 }
 
 fn size_of([width, height]: [i32; 2]) -> Result<Size, String> {
     Size::new(width, height)
         .ok_or_else(|| format!("{width} x {height} is not a size of an image, which has at most the pixels of CAM5MP"))
+}
+
+/// The name of a file, if the program gives one.
+fn given(name: Option<&[u8]>) -> Result<&[u8], String> {
+    name.filter(|name| !name.is_empty()).ok_or_else(|| "the name of the file is empty".to_owned())
 }
 
 /// `IPReadFile`
@@ -28,7 +40,7 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, size: [i32; 2], image: 
         if image.is_null() {
             return Err("there is no room for an image".to_owned());
         }
-        let file = robot.robios.storage.read(name.ok_or("it has no name")?).map_err(|error| error.to_string())?;
+        let file = robot.robios.storage.read(given(name)?).map_err(|error| error.to_string())?;
         pnm::read(&file, size).map_err(|error| error.to_string())
     };
     match read() {
@@ -51,8 +63,7 @@ pub fn write_file(robot: &mut Robot, call: Call, name: Option<&[u8]>, size: [i32
         let size = size_of(size)?;
         let image = image.and_then(|image| image.get(..size.pixels() * depth)).ok_or("there is no image")?;
         let now = robot.now;
-        let name = name.ok_or("it has no name")?;
-        robot.robios.storage.write(now, name, encode(size, image)).map_err(|error| error.to_string())
+        robot.robios.storage.write(now, given(name)?, encode(size, image)).map_err(|error| error.to_string())
     };
     match write() {
         Ok(()) => 0,

@@ -62,7 +62,7 @@ impl<F: Flow> Robios7 for Caller<F> {
         fn LCDCircleInvert(x: i32, y: i32, radius: i32) -> i32 = |robot, _| {
             display::draw(robot, Call::LCDCircleInvert, |canvas| canvas.fill_circle([x, y], radius, Ink::Invert))
         };
-        fn LCDImageSize(resolution: i32) -> i32 = |robot, _| display::set_resolution(robot, resolution);
+        fn LCDImageSize(resolution: i32) -> i32 = |robot, _| image7::set_resolution(robot, Call::LCDImageSize, resolution);
         fn LCDImageStart(x: i32, y: i32, width: i32, height: i32) -> i32 =
             |robot, _| display::set_image_start(robot, [x, y], [width, height]);
         fn LCDImage(width: i32, height: i32, image: Bytes<'_>) -> i32 =
@@ -98,7 +98,7 @@ impl<F: Flow> Robios7 for Caller<F> {
 
     // IP.
     act! {
-        fn IPSetSize(resolution: i32) -> i32 = |robot, _| image7::set_size(robot, resolution);
+        fn IPSetSize(resolution: i32) -> i32 = |robot, _| image7::set_resolution(robot, Call::IPSetSize, resolution);
         fn IPReadFile(filename: Text<'_>, width_px: i32, height_px: i32, img: &mut OutBytes) -> i32 =
             |robot, _| image7::read_file(robot, filename, [width_px, height_px], img);
         fn IPWriteFile(filename: Text<'_>, width_px: i32, height_px: i32, img: Bytes<'_>) -> i32 =

@@ -87,7 +87,7 @@ impl Storage {
     /// Reads the file called `name`.
     ///
     /// # Errors
-    /// Errors of the system for `name` in the working folder.
+    /// Errors of the system for `name` in the working folder; for a missing file the message names the searched folders.
     pub fn read(&self, name: &[u8]) -> io::Result<Vec<u8>> {
         let path = path_of(name);
         if let Some(confined) = &self.confined {
@@ -102,7 +102,29 @@ impl Storage {
                 return read_file(path);
             }
         }
-        read_file(&path)
+        read_file(if path.as_os_str().is_empty() { Path::new(".") } else { &path }).map_err(|error| {
+            match error.kind() {
+                io::ErrorKind::NotFound => io::Error::new(error.kind(), self.searched_folders(&path)),
+                _ => error,
+            }
+        })
+    }
+
+    /// Message for a file that [`Self::read`] did not find.
+    fn searched_folders(&self, path: &Path) -> String {
+        let folder = std::env::current_dir().unwrap_or_default();
+        let scene_folder = folder.join(&self.scene_folder);
+        if path.is_absolute() {
+            "there is no such file".to_owned()
+        } else if scene_folder == folder {
+            format!("there is no such file in `{}`, the folder in which eyesim runs", folder.display())
+        } else {
+            format!(
+                "there is no such file in `{}`, the folder in which eyesim runs, or in the scene's folder `{}`",
+                folder.display(),
+                scene_folder.display()
+            )
+        }
     }
 
     /// Stores a file, which is written in the working folder when the slot ends; in a sandbox it stays in memory.
@@ -120,8 +142,8 @@ impl Storage {
             return Err(io::ErrorKind::IsADirectory.into());
         }
         if !folder.is_dir() {
-            let is_file = folder.exists();
-            return Err(if is_file { io::ErrorKind::NotADirectory } else { io::ErrorKind::NotFound }.into());
+            let folder = folder.display();
+            return Err(io::Error::new(io::ErrorKind::NotFound, format!("there is no folder `{folder}`")));
         }
         self.pending_writes.insert(path, (now, bytes));
         Ok(())
