@@ -263,8 +263,12 @@ impl Robot {
             let numbers: Vec<_> = (1..=table::MAX_NUMBER)
                 .filter_map(|number| Some(format!("{number} ({})", table.numbered(kind, number, names)?.name)))
                 .collect();
-            let numbers = if numbers.is_empty() { "none".to_owned() } else { numbers.join(", ") };
-            let text = format!("`{}`: `{}` has no number {number}, it has: {numbers}", call.name(), self.spec.file);
+            let (call, robi) = (call.name(), &self.spec.file);
+            let text = if numbers.is_empty() {
+                format!("`{call}`: `{robi}` has no device of this kind")
+            } else {
+                format!("`{call}`: `{robi}` has no number {number}, it has: {}", numbers.join(", "))
+            };
             self.hint(&text);
         }
         found
