@@ -633,20 +633,26 @@ impl Message<'_> {
             );
         }
         let code = code_only(self.code().unwrap_or_default());
-        let is_argument = code.match_indices(name).any(|(offset, _)| {
+        let function = code.match_indices(name).find_map(|(offset, _)| {
             let (left, right) = (code[..offset].trim_end(), code[offset + name.len()..].trim_start());
-            left.ends_with(['(', ',']) && right.starts_with([',', ')'])
+            (left.ends_with(['(', ',']) && right.starts_with([',', ')'])).then(|| called_function(left))
         });
-        match self.variable_declaration() {
-            Some(code) if is_argument && starts_with_word(code, "char") => {
-                format!("`{name}` points nowhere: declare an array in its place, such as `char {name}[20]`")
-            }
-            _ if is_argument => {
-                format!("`{name}` points nowhere: declare it without `*`, and write `&{name}` in this line")
-            }
-            _ => format!(
+        let declaration = self.variable_declaration().unwrap_or_default();
+        let Some(function) = function else {
+            return format!(
                 "`{name}` points nowhere: set it to the address of a variable first, as `{name} = &variable;` does"
-            ),
+            );
+        };
+        let is_of = |kind: &str| starts_with_word(declaration, kind);
+        let is_bytes = is_of("BYTE") || is_of("unsigned") || is_of("char");
+        let array = array_of(function)
+            .filter(|(kind, _)| if *kind == "BYTE" { is_bytes } else { is_of(kind) })
+            .or(is_of("char").then_some(("char", "20")));
+        match array {
+            Some((kind, length)) => {
+                format!("`{name}` points nowhere: declare an array in its place, such as `{kind} {name}[{length}]`")
+            }
+            None => format!("`{name}` points nowhere: declare it without `*`, and write `&{name}` in this line"),
         }
     }
 
@@ -1277,6 +1283,33 @@ fn without_closing_braces(code: &str) -> &str {
     code.trim_start().trim_start_matches('}').trim_start()
 }
 
+/// The function of the call whose arguments the code ends in: `CAMGet` for `if (CAMGet(`.
+fn called_function(code: &str) -> &str {
+    let mut depth = 0;
+    let opening = code.rfind(|mark| {
+        depth += i32::from(mark == ')') - i32::from(mark == '(');
+        depth < 0
+    });
+    let left = code[..opening.unwrap_or(0)].trim_end();
+    &left[left.trim_end_matches(is_name).len()..]
+}
+
+/// Type and length of the array that a function of RoBIOS takes. An image has the size of QVGA, in which programs usually
+/// take images.
+fn array_of(function: &str) -> Option<(&'static str, &'static str)> {
+    Some(match function {
+        "LIDARGet" | "SIMLaserScan" => ("int", "360"),
+        "RADIOStatus" => ("int", "256"),
+        "CAMGetFrameMono" => ("BYTE", "4800"),
+        "CAMGetFrameColor" | "CAMGetFrameRGB" => ("BYTE", "14400"),
+        "CAMGetFrameBayer" => ("BYTE", "19200"),
+        "CAMGet" | "CAMGetGray" => ("BYTE", "QVGA_SIZE"),
+        _ if function.starts_with("IPP") => return None,
+        _ if ["IP", "LCDImage"].iter().any(|beginning| function.starts_with(beginning)) => ("BYTE", "QVGA_SIZE"),
+        _ => return None,
+    })
+}
+
 fn starts_with_word(code: &str, word: &str) -> bool {
     code.strip_prefix(word).is_some_and(|rest| !rest.starts_with(is_name))
 }
@@ -1858,6 +1891,21 @@ mod tests {
         let pointer = |code: &str| words_of("z", "'z' was declared here", code);
         assert_eq!(pointer("int* z;"), "`z` points nowhere: declare it without `*`, and write `&z` in this line");
         assert_eq!(pointer("char *z;"), "`z` points nowhere: declare an array in its place, such as `char z[20]`");
+        let argument = |declaration: &str, code: &str| {
+            let output = format!(
+                "a.c:7:2: warning: 'z' is used uninitialized [-Wuninitialized]\n    7 |  {code}\n      |  ^~~\n\
+                 a.c:6:7: note: 'z' was declared here\n    6 |   {declaration}\n      |       ^\n"
+            );
+            in_plain_words(&output, ("a.c", "")).trim_end().trim_start_matches("a.c:7: ").to_owned()
+        };
+        let array = |array: &str| format!("`z` points nowhere: declare an array in its place, such as `{array}`");
+        assert_eq!(argument("BYTE *z;", "if (CAMGet(z) != 0)"), array("BYTE z[QVGA_SIZE]"));
+        assert_eq!(argument("unsigned char *z;", "IPOverlay(mask(a), z, b);"), array("BYTE z[QVGA_SIZE]"));
+        assert_eq!(argument("char *z;", "CAMGet(z);"), array("BYTE z[QVGA_SIZE]"));
+        assert_eq!(argument("int *z;", "n = LIDARGet(z);"), array("int z[360]"));
+        let single = "`z` points nowhere: declare it without `*`, and write `&z` in this line";
+        assert_eq!(argument("BYTE *z;", "IPPCol2RGB(RED, z, z, z);"), single);
+        assert_eq!(argument("int *z;", "CAMGet(z, &offset, &contrast);"), single, "RoBIOS 6 gives a number");
         let output = |kind: &str, code: &str| {
             let note = "a.c:6:7: note: 'z' was declared here\n    6 |   Place *z;\n      |       ^\n";
             let output = format!(
