@@ -82,7 +82,14 @@ impl<'a> MeshReader<'a> {
 
     /// Mistakes in the files that were read, and these files.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<InputFile>) {
-        (self.loader.diagnostics, self.loader.inputs)
+        // Bodies with different frames read the same mesh separately.
+        let mut diagnostics: Vec<Diagnostic> = Vec::new();
+        for diagnostic in self.loader.diagnostics {
+            if !diagnostics.contains(&diagnostic) {
+                diagnostics.push(diagnostic);
+            }
+        }
+        (diagnostics, self.loader.inputs)
     }
 
     /// Reads a mesh; `consequence` is the text of messages about a missing one.

@@ -23,7 +23,7 @@ pub(super) enum TextureError {
     #[error("it is not a readable png, jpg or bmp image: {0}")]
     Format(String),
     /// The image has more than [`MAX_PIXELS`].
-    #[error("it has {0} x {1} pixels")]
+    #[error("it has {0} x {1} pixels, more than {MAX_PIXELS}")]
     Size(u64, u64),
 }
 

@@ -239,6 +239,17 @@ fn a_mesh_is_read_once() {
 }
 
 #[test]
+fn two_bodies_with_one_mesh_report_its_mistakes_once() {
+    let files = Memory::new(&[("a.obj", QUAD), ("a.mtl", "newmtl blue\n")]);
+    let kind = object(model(DVec3::ZERO, DVec3::ZERO), 1.0);
+    let mut reader = MeshReader::new(&files);
+    reader.object(&kind);
+    reader.object(&ObjectType { file: "large.esObj".into(), scale: 2.0, ..kind });
+    let codes: Vec<String> = reader.finish().0.iter().map(|diagnostic| diagnostic.code.to_string()).collect();
+    assert_eq!(codes, ["mesh-material"]);
+}
+
+#[test]
 fn too_many_triangles_are_rejected() {
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\n");
     text.push_str(&"f 1 2 3\n".repeat(2_000_001));
