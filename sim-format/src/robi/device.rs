@@ -103,7 +103,7 @@ impl Reader {
         let rest = &words[1..];
         let span = span_of(keyword, rest);
         if rest.len() < 3 || rest.len() == 4 || rest.len() == 6 {
-            let message = format!("`camera` has {} of 7 values", rest.len());
+            let message = format!("`camera` has {} values, not 3, 5 or 7", rest.len());
             self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_SYNTAX);
             return;
         }
@@ -234,8 +234,8 @@ fn degrees(text: &str) -> Option<f64> {
 
 const PSD_SYNTAX: &str = "`psd NAME ID X Y Z ANGLE` in mm and degrees, or without ID";
 const VR2022_PSD_SYNTAX: &str = "`psd ID NAME X Y Z RX PAN RZ` in mm and degrees";
-const CAMERA_SYNTAX: &str = "`camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and pixels; in files of EyeSim VR also \
-                           `camera X Y Z PAN TILT MAX_PAN MAX_TILT`";
+const CAMERA_SYNTAX: &str = "`camera X Y Z`, `camera X Y Z PAN TILT` or `camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and \
+                           pixels; in files of EyeSim VR also `camera X Y Z PAN TILT MAX_PAN MAX_TILT`";
 const LIDAR_SYNTAX: &str = "`lidar POINTS TILT` or `lidar SWEEP POINTS TILT`, angles in degrees";
 
 const PSD_POSE: [Quantity; 4] = [
