@@ -96,7 +96,7 @@ class _Robot:
         # Other threads of this process do not belong to the program.
         self.eye._has_threads = lambda: False
         self.stdin = io.TextIOWrapper(io.BufferedReader(self.eye._Input()), encoding="utf-8", errors="replace")
-        self._calls = calls
+        self._calls: _native.Calls | None = calls
         self._request = b""
         self._refusals = 0
         self._random: Any = None
@@ -108,7 +108,7 @@ class _Robot:
 
     def receive(self) -> tuple[int, bytes]:
         """Makes the stored call; returns the kind and the body of the answer."""
-        answer = None if self.is_overdue else self._calls.call(self._request)
+        answer = None if self.is_overdue or self._calls is None else self._calls.call(self._request)
         if answer is not None:
             self.draw()
             return _OK, answer
@@ -154,6 +154,8 @@ class _Robot:
             self._stopped_at = _place(late.__traceback__)
         finally:
             del _robots[self.thread]
+            # The calls refer to the program, which refers to this object: a cycle that Python cannot collect.
+            self._calls = None
         return self._stopped_at
 
     def _call(self, function: Callable[..., object], arguments: Sequence[str]) -> None:

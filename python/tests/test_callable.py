@@ -1,5 +1,6 @@
 """Functions as robot programs: the same runs as from files, errors with robot and line, and the environment of a program."""
 
+import gc
 import json
 import os
 import random
@@ -13,6 +14,7 @@ import eyesim
 import eyesim.eye
 import nbformat
 import pytest
+from eyesim import _callable
 from eyesim.eye import *  # noqa: F403
 from nbclient import NotebookClient
 from time import sleep
@@ -293,3 +295,17 @@ def test_functions_and_files_drive_in_one_run(tmp_path):
 
     report = eyesim.run(PAIR, programs={1: path, 2: function}).report
     assert [robot["pose"]["x_m"] for robot in report["robots"]] == pytest.approx([1.2, 1.2], abs=1e-9)
+
+
+def test_a_run_leaves_nothing_behind():
+    def program():
+        VWStraight(100, 100)
+
+    def count():
+        gc.collect()
+        return sum(isinstance(it, _callable.Program) for it in gc.get_objects())
+
+    before = count()
+    for _ in range(3):
+        eyesim.run(SQUARE, programs=program)
+    assert count() == before
