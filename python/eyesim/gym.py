@@ -112,7 +112,7 @@ class Task:
     """Poses (m, m, rad) from which an episode draws one for each robot; by default robots start as in the scene."""
     jitter: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Maximum deviation from the start in x, y (m) and heading (rad), drawn for each episode."""
-    noise: str | None = None
+    noise: str | os.PathLike[str] | None = None
     """Noise profile: none, mild, real, harsh, course or a file; by default the scene's."""
 
 
@@ -124,6 +124,10 @@ class Rows:
     """Simulations of a task side by side: arrays of readings with a row for each robot of each simulation."""
 
     def __init__(self, task: Task, count: int, threads: int | None = None) -> None:
+        if not np.isfinite([number for start in task.starts for number in start]).all():
+            raise ValueError(f"starts: {task.starts}: expected finite numbers")
+        if not all(0 <= deviation < np.inf for deviation in task.jitter):
+            raise ValueError(f"jitter: {task.jitter}: expected finite numbers from 0 on")
         self.task = task
         self.count = count
         self.simulation = load(task.scene, noise=task.noise)
@@ -136,13 +140,15 @@ class Rows:
         self._drive = np.zeros(count, np.uint8)
         self._begin = np.full(count, _BEGIN, np.uint8)
         self.action_space = task.action_space or spaces.Box(-1.0, 1.0, (2,), np.float32)
+        if task.act is relative_twist and self.action_space.shape != (2,):
+            raise ValueError(f"action_space: {self.action_space}: the default `act` needs two numbers; give an `act` for this space")
         self.observation_space = task.observation_space or self._observation_space(sensors)
         self.seed(int(np.random.SeedSequence().generate_state(1, np.uint64)[0]))
 
     def _observation_space(self, sensors: int) -> spaces.Box:
         if self.task.observe is relative_ranges:
             return spaces.Box(0.0, 1.0, (sensors,), np.float32)
-        shape = self.task.observe(self.begin()).shape[1:]
+        shape = np.shape(self.task.observe(self.begin()))[1:]
         return spaces.Box(-np.inf, np.inf, shape, np.float32)
 
     def seed(self, seed: int | Sequence[int | None] | None) -> None:
@@ -188,7 +194,29 @@ class Rows:
 
     def observations(self, readings: Readings) -> npt.NDArray[Any]:
         """The task's observations, in the data type of their space."""
-        return self.task.observe(readings).astype(self.observation_space.dtype, copy=False)
+        rows = self._rows("observe", self.task.observe(readings), self.observation_space.shape)
+        return rows.astype(self.observation_space.dtype, copy=False)
+
+    def commands(self, actions: npt.NDArray[Any]) -> Floats:
+        """The task's commands for the actions."""
+        if self.action_space.shape is not None:
+            self._rows("actions", actions, self.action_space.shape)
+        return self._rows("act", self.task.act(actions, self.limits), (2,))
+
+    def rewards(self, readings: Readings, actions: npt.NDArray[Any]) -> Floats:
+        """The task's rewards."""
+        return self._rows("reward", self.task.reward(readings, actions), ())
+
+    def terminated(self, readings: Readings) -> Flags:
+        """True where the task's episode has ended."""
+        return self._rows("terminated", self.task.terminated(readings), ()).astype(np.bool_, copy=False)
+
+    def _rows(self, name: str, values: Any, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+        """The values as an array. Raises `ValueError` unless it has a row of this shape for each robot."""
+        rows, expected = np.asarray(values), (self.count * self.robots, *shape)
+        if rows.shape != expected:
+            raise ValueError(f"{name}: an array of shape {rows.shape}: expected {expected}, a row for each robot")
+        return rows
 
 
 def _task(scene: str | os.PathLike[str] | Task, options: dict[str, Any]) -> Task:
@@ -226,10 +254,10 @@ class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
     def step(self, action: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float, bool, bool, dict[str, Any]]:
         """Drives for one period."""
         actions = np.asarray(action)[None]
-        readings = self._rows.step(self.task.act(actions, self._rows.limits))
-        terminated = bool(self.task.terminated(readings)[0])
+        readings = self._rows.step(self._rows.commands(actions))
+        terminated = bool(self._rows.terminated(readings)[0])
         truncated = bool(readings.steps[0] >= self.task.horizon)
-        reward = float(self.task.reward(readings, actions)[0])
+        reward = float(self._rows.rewards(readings, actions)[0])
         return self._rows.observations(readings)[0], reward, terminated, truncated, {}
 
     @property
@@ -277,11 +305,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], n
         """Drives all robots for one period; robots whose episode has ended begin the next one."""
         actions = np.asarray(actions)
         begins = self._done
-        readings = self._rows.step(self.task.act(actions, self._rows.limits), begins)
+        readings = self._rows.step(self._rows.commands(actions), begins)
         going = begins == 0
-        terminated = self.task.terminated(readings) & going
+        terminated = self._rows.terminated(readings) & going
         truncated = (readings.steps >= self.task.horizon) & going
-        reward = np.where(going, self.task.reward(readings, actions), 0.0)
+        reward = np.where(going, self._rows.rewards(readings, actions), 0.0)
         self._done = (terminated | truncated).astype(np.uint8)
         return self._rows.observations(readings), reward, terminated, truncated, {}
 

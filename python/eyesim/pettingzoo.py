@@ -54,17 +54,19 @@ class ParallelEnv(_ParallelEnv[str, npt.NDArray[Any], npt.NDArray[Any]]):  # typ
     ) -> tuple[
         dict[str, npt.NDArray[Any]], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
     ]:
-        """Drives all robots for one period."""
+        """Drives all robots for one period; does nothing before a reset and after the end of all episodes."""
+        if not self.agents:
+            return {}, {}, {}, {}, {}
         given = [np.asarray(actions[agent]) for agent in self.agents]
         rows = [self.possible_agents.index(agent) for agent in self.agents]
         all_actions = np.zeros((self._rows.robots, *np.shape(given[0])), given[0].dtype)
         all_actions[rows] = given
         commands = np.zeros((self._rows.robots, 2))
-        commands[rows] = self.task.act(all_actions, self._rows.limits)[rows]
+        commands[rows] = self._rows.commands(all_actions)[rows]
         readings = self._rows.step(commands)
         observations = self._of_agents(self._rows.observations(readings))
-        rewards = self._of_agents(self.task.reward(readings, all_actions).tolist())
-        terminated = self._of_agents(self.task.terminated(readings).tolist())
+        rewards = self._of_agents(self._rows.rewards(readings, all_actions).tolist())
+        terminated = self._of_agents(self._rows.terminated(readings).tolist())
         truncated = self._of_agents((readings.steps >= self.task.horizon).tolist())
         infos: dict[str, dict[str, Any]] = {agent: {} for agent in self.agents}
         self.agents = [agent for agent in self.agents if not (terminated[agent] or truncated[agent])]

@@ -51,10 +51,10 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
     def step_wait(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float32], npt.NDArray[np.bool_], list[dict[str, Any]]]:
         """Drives all robots for one period; where an episode has ended, the next one begins."""
         rows = self._rows
-        readings = rows.step(self.task.act(self._actions, rows.limits))
-        terminated = self.task.terminated(readings)
+        readings = rows.step(rows.commands(self._actions))
+        terminated = rows.terminated(readings)
         done = terminated | (readings.steps >= self.task.horizon)
-        rewards = self.task.reward(readings, self._actions)
+        rewards = rows.rewards(readings, self._actions)
         self._returns += rewards
         observations = rows.observations(readings)
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]

@@ -1,5 +1,6 @@
 """Environments: the checks of Gymnasium and PettingZoo, seeds, and a policy that learns."""
 
+import dataclasses
 import multiprocessing
 import warnings
 
@@ -195,6 +196,54 @@ def test_a_task_around_any_scene():
         eyesim.gym.Env(PAIR)
     with pytest.raises(eyesim.Error, match="1 starts for 2 robots"):
         eyesim.pettingzoo.ParallelEnv(PAIR, starts=[(1.0, 1.0, 0.0)])
+
+
+WRONG = {
+    "observe": lambda readings: np.stack([readings.speed, readings.turn]),
+    "act": lambda actions, limits: actions[:, 0],
+    "reward": lambda readings, actions: readings.speed[:, None],
+    "terminated": lambda readings: (readings.ranges < 0.1).any(),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_each_function_gives_a_row_for_each_robot(name):
+    task = dataclasses.replace(WALL, **{name: WRONG[name]})
+    still = np.zeros(2, np.float32)
+    for env, action in ((eyesim.gym.Env(task), still), (eyesim.gym.VectorEnv(task, 3), np.stack([still] * 3))):
+        with pytest.raises(ValueError, match=f"^{name}: an array of shape .* a row for each robot"):
+            env.reset(seed=1)
+            env.step(action)
+    agents = eyesim.pettingzoo.ParallelEnv(PAIR, **{name: WRONG[name]} if name != "observe" else {"observe": lambda readings: readings.speed[0]})
+    with pytest.raises(ValueError, match=f"^{name}: "):
+        agents.reset(seed=1)
+        agents.step({agent: still for agent in agents.agents})
+
+
+def test_actions_fit_their_space():
+    vector = eyesim.gym.VectorEnv(WALL, 2)
+    vector.reset(seed=1)
+    for action in (np.zeros(2), np.zeros((1, 2)), np.zeros((2, 1))):
+        with pytest.raises(ValueError, match=r"^actions: .*: expected \(2, 2\)"):
+            vector.step(action)
+    with pytest.raises(ValueError, match="^action_space: .* give an `act`"):
+        eyesim.gym.Env(WALL, action_space=gymnasium.spaces.Discrete(3))
+    with pytest.raises(ValueError, match="^observe: "):
+        eyesim.gym.Env(WALL, observation_space=gymnasium.spaces.Box(0, 1, (3,))).reset(seed=1)
+
+
+def test_starts_are_finite():
+    for wrong in ({"starts": [(np.nan, 1.0, 0.0)]}, {"jitter": (0.0, np.inf, 0.0)}, {"jitter": (-0.1, 0.0, 0.0)}):
+        with pytest.raises(ValueError, match="expected finite numbers"):
+            eyesim.gym.Env(WALL, **wrong)
+
+
+def test_a_step_without_agents_does_nothing():
+    env = eyesim.pettingzoo.ParallelEnv(PAIR, horizon=1)
+    assert env.step({}) == ({}, {}, {}, {}, {})
+    env.reset(seed=1)
+    env.step({agent: np.zeros(2, np.float32) for agent in env.agents})
+    assert env.agents == [] and env.step({}) == ({}, {}, {}, {}, {})
 
 
 def learn(generations=30, pairs=24):
