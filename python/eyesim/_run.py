@@ -16,7 +16,7 @@ import numpy.typing as npt
 from . import _native
 from ._callable import Program, running
 from ._errors import Error, ProgramError
-from ._simulation import Picture, settings_of, source
+from ._simulation import Picture, noise_of, settings_of, source
 
 Code = str | os.PathLike[str] | Callable[..., object]
 """A robot's program: a file, or a function."""
@@ -27,11 +27,11 @@ def run(
     *,
     programs: Code | Mapping[int, Code] | None = None,
     seed: int | None = None,
-    noise: str | None = None,
+    noise: str | os.PathLike[str] | None = None,
     slot: float | None = None,
     until: float | None = None,
     arguments: Mapping[int, str] | str | None = None,
-    keys: Sequence[str] = (),
+    keys: Sequence[str] | str = (),
     set: dict[str, Any] | None = None,
     exec: str = "auto",
     workers: int | None = None,
@@ -54,12 +54,12 @@ def run(
         raise Error(f"workers = {workers}: functions run one at a time, so expected 1")
     options: _native.RunOptions = {
         "seed": seed,
-        "noise": noise,
+        "noise": noise_of(noise),
         "slot": slot,
         "until": until,
         "programs": _by_robot(programs, "="),
         "arguments": _by_robot(arguments, ":"),
-        "keys": list(keys),
+        "keys": [keys] if isinstance(keys, str) else list(keys),
         "settings": settings_of(set),
         "exec": exec,
         "workers": 1 if functions else workers,

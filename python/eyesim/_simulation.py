@@ -53,9 +53,21 @@ def source(scene: str | os.PathLike[str]) -> tuple[str, str | None]:
     return os.fspath(scene), None
 
 
+def noise_of(noise: str | os.PathLike[str] | None) -> str | None:
+    """A noise profile as text: a preset or the path of a file."""
+    return None if noise is None else os.fspath(noise)
+
+
 def settings_of(values: dict[str, Any] | None) -> list[str]:
     """Values of a TOML scene in the format of the command line."""
     return [f"{path}={_toml(value)}" for path, value in (values or {}).items()]
+
+
+def _number(value: Any) -> Any:
+    """A number of numpy as a number of Python; raises `TypeError` for other values."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{value!r} is not a number")
 
 
 def _toml(value: Any) -> str:
@@ -80,7 +92,7 @@ def load(
     scene: str | os.PathLike[str],
     *,
     seed: int | None = None,
-    noise: str | None = None,
+    noise: str | os.PathLike[str] | None = None,
     slot: float | None = None,
     set: dict[str, Any] | None = None,
 ) -> Simulation:
@@ -93,7 +105,7 @@ def load(
     """
     path, text = source(scene)
     opened = {"scene": scene, "seed": seed, "noise": noise, "slot": slot, "set": set}
-    return Simulation(_native.Simulation(path, text, seed, noise, slot, settings_of(set)), opened)
+    return Simulation(_native.Simulation(path, text, seed, noise_of(noise), slot, settings_of(set)), opened)
 
 
 class Simulation:
@@ -143,7 +155,11 @@ class Simulation:
 
         The names are those of recorded interventions (docs/trace.md). Raises `Error` for one that is refused; within a slot all are.
         """
-        self._native.act(json.dumps({"do": do, **values}))
+        try:
+            text = json.dumps({"do": do, **values}, default=_number, allow_nan=False)
+        except (TypeError, ValueError):
+            raise Error(f"{do}: expected texts, truth values and finite numbers, not {values}") from None
+        self._native.act(text)
 
     def observe(self) -> dict[str, Any]:
         """All values except camera images: the time, the poses, speed, contacts and range readings of each robot, and the objects."""
@@ -154,6 +170,11 @@ class Simulation:
         copy = Simulation(self._native.snapshot(), self._opened)
         copy._programs = dict(self._programs)
         return copy
+
+    __copy__ = snapshot
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        return self.snapshot()
 
     def restore(self, snapshot: Simulation) -> None:
         """Restores the state of `snapshot`, with its robots' programs; `snapshot` does not change."""

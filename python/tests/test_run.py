@@ -151,3 +151,11 @@ def test_programs_of_strangers_run_in_a_sandbox(program, tmp_path):
         assert ran.returncode == 0, ran.stderr
         report = json.loads((tmp_path / "report.json").read_text())
         assert report["sandbox"]["level"] == "full" and report["robots"][0]["outcome"] == "finished"
+
+
+def test_keys_can_be_one_text(tmp_path):
+    path = tmp_path / "press.py"
+    path.write_text("from eye import *\nKEYWait(KEY1)\nKEYWait(KEY2)\n")
+    for keys in ("1:KEY1, 2:KEY2", ["1:KEY1", "2:KEY2"]):
+        [robot] = eyesim.run(SQUARE, programs=path, keys=keys).report["robots"]
+        assert robot["outcome"] == "finished" and robot["virtual_time_s"] == pytest.approx(2.0, abs=0.1)

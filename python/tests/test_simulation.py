@@ -3,6 +3,8 @@
 import copy
 import math
 import pickle
+import subprocess
+import sys
 import threading
 
 import eyesim
@@ -93,6 +95,11 @@ def test_interventions_are_recorded_and_refused_with_a_reason():
         sim.act("place_robot", robot=9, x_m=2.0, y_m=1.0, phi_rad=0.5)
     with pytest.raises(eyesim.Error, match="unknown variant `jump`"):
         sim.act("jump")
+    sim.act("place_robot", robot=np.int64(1), x_m=np.float32(1.5), y_m=np.float64(1.0), phi_rad=0)
+    assert sim.robot().pose == (1.5, 1.0, 0.0)
+    for wrong in (math.nan, np.float32(math.inf), object()):
+        with pytest.raises(eyesim.Error, match="place_robot: expected texts, truth values and finite numbers, not "):
+            sim.act("place_robot", robot=1, x_m=wrong, y_m=1.0, phi_rad=0.0)
 
 
 def test_images_are_arrays():
@@ -123,6 +130,12 @@ def test_mistakes_have_file_line_and_column(tmp_path):
         eyesim.load(tmp_path / "missing.sim")
     with pytest.raises(eyesim.Error, match="is not a scene"):
         eyesim.load(tmp_path / "program.c")
+
+
+def test_a_noise_profile_can_be_a_path(tmp_path):
+    path = tmp_path / "quiet.toml"
+    path.write_text("[psd]\nsigma_mm = 1\n")
+    assert eyesim.load(ROOM, noise=path).digest == eyesim.load(ROOM, noise=str(path)).digest
 
 
 def test_wrong_arguments_are_refused():
@@ -185,6 +198,16 @@ def test_settings_change_the_scene():
         eyesim.load(ROOM, set={"robot[0].x_mm": None})
 
 
-def test_a_simulation_is_copied_by_snapshot_alone():
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_a_copy_of_the_object_is_a_snapshot(copied):
+    sim = eyesim.load(ROOM)
+    other = copied(sim)
+    other.step(1.0)
+    assert (sim.now, other.now) == (0.0, 1.0)
     with pytest.raises(TypeError):
-        copy.deepcopy(eyesim.load(ROOM))
+        pickle.dumps(sim)
+
+
+def test_names_are_listed_before_they_are_used():
+    names = subprocess.run([sys.executable, "-P", "-c", "import eyesim; print(*dir(eyesim))"], capture_output=True, text=True)
+    assert set(eyesim.__all__) <= set(names.stdout.split())
