@@ -1,5 +1,6 @@
 """Errors of eyesim."""
 
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -26,6 +27,12 @@ class Diagnostic(NamedTuple):
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
         expected = f"; expected {self.expected}" if self.expected else ""
         return f"{place}: {self.severity}[{self.code}]: {self.message}{expected}"
+
+
+def warn(rows: Sequence[tuple[str, str, str, int, int, str, str]]) -> None:
+    """Issues a warning for each mistake in the files of a scene, at the line that calls `load` or `run`."""
+    for row in rows:
+        warnings.warn(str(Diagnostic(*row)), stacklevel=3)
 
 
 class Error(Exception):

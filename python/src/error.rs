@@ -28,11 +28,24 @@ pub fn of_launch(py: Python<'_>, failed: launch::Error) -> PyErr {
 
 /// An `eyesim.SceneError` for these mistakes.
 pub fn scene_error(py: Python<'_>, diagnostics: &[Diagnostic]) -> PyErr {
+    new(py, "SceneError", (rows(diagnostics),))
+}
+
+/// Issues a warning of Python for each mistake in the files of a scene that can be run.
+///
+/// # Errors
+/// The warning, if the user's filters turn it into an exception.
+pub fn warn(py: Python<'_>, diagnostics: &[Diagnostic]) -> PyResult<()> {
+    py.import("eyesim._errors")?.getattr("warn")?.call1((rows(diagnostics),)).map(drop)
+}
+
+/// The fields of `eyesim.Diagnostic` for each mistake.
+fn rows(diagnostics: &[Diagnostic]) -> Vec<(String, String, String, u32, u32, String, String)> {
     let row = |it: &Diagnostic| {
         let (severity, code) = (it.severity.to_string(), it.code.to_string());
         (severity, code, it.file.clone(), it.span.line, it.span.column, it.message.clone(), it.expected.clone())
     };
-    new(py, "SceneError", (diagnostics.iter().map(row).collect::<Vec<_>>(),))
+    diagnostics.iter().map(row).collect()
 }
 
 fn new<'py>(

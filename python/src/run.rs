@@ -21,7 +21,7 @@ use sim_host::program::embedded::EmbeddedProgram;
 use sim_host::record::{RecordError, Sink, Trace, Trails};
 
 use super::callable::Callable;
-use super::error::{error, of_launch};
+use super::error::{error, of_launch, warn};
 use super::simulation::{duration, length, parse_settings};
 
 /// Interval at which a run checks for an interrupt by the user.
@@ -124,13 +124,15 @@ pub fn run<'py>(
 ) -> PyResult<(String, Bound<'py, PyBytes>, String)> {
     let options = options.parse(py)?;
     let interrupt = Interrupt::default();
-    let run = || {
-        let scene = match text {
-            Some(text) => Scene::from_text(&path, &text, options),
-            None => Scene::open(&path, options),
-        }?;
-        carry_out(scene, has_trace, interrupt.clone())
-    };
+    let opened = py.detach(|| match text {
+        Some(text) => Scene::from_text(&path, &text, options),
+        None => Scene::open(&path, options),
+    });
+    let scene = opened.map_err(|failed| of_launch(py, failed))?;
+    if !scene.is_rejected() {
+        warn(py, scene.diagnostics())?;
+    }
+    let run = || carry_out(scene, has_trace, interrupt.clone());
     let (carried_out, interrupted) = py.detach(|| on_own_thread(run, &interrupt));
     interrupted?;
     match carried_out {

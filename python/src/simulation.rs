@@ -22,7 +22,7 @@ use sim_format::{MeshReader, Setting as SceneSetting};
 use sim_host::files::DiskFiles;
 use sim_host::launch::{self, Scene};
 
-use super::error::{error, of_launch, scene_error};
+use super::error::{error, of_launch, scene_error, warn};
 
 /// Interval of virtual time at which a step checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Time = Time::from_millis(10_000);
@@ -62,6 +62,7 @@ impl Simulation {
         if scene.is_rejected() {
             return Err(scene_error(py, scene.diagnostics()));
         }
+        warn(py, scene.diagnostics())?;
         let options = Options { seed, slot };
         let value = simulation::Simulation::new(scene.spec(), &options).map_err(|failed| error(py, failed))?;
         Ok(Self { value, scene: Arc::new(scene.spec().clone()), options, has_visuals: false })

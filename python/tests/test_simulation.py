@@ -132,6 +132,15 @@ def test_mistakes_have_file_line_and_column(tmp_path):
         eyesim.load(tmp_path / "program.c")
 
 
+@pytest.mark.parametrize("opened", [eyesim.load, eyesim.run])
+def test_mistakes_that_do_not_prevent_a_run_are_warnings(opened, tmp_path):
+    path = tmp_path / "quiet.toml"
+    path.write_text("[range]\nsigma_mm = 1\n")
+    with pytest.warns(UserWarning, match=r"quiet.toml:1:2: warning\[toml-key\]: unknown key `range`") as caught:
+        opened(ROOM, noise=path)
+    assert [it.filename for it in caught] == [__file__]
+
+
 def test_a_noise_profile_can_be_a_path(tmp_path):
     path = tmp_path / "quiet.toml"
     path.write_text("[psd]\nsigma_mm = 1\n")
