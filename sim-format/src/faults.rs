@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use sim_core::device::switch::{self, SensorId};
+use sim_core::drive::DriveKind;
 use sim_core::noise::Profile;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line;
-use super::spec::{FaultKind, RobiSpec, SceneSpec};
+use super::spec::{FaultKind, RobiSpec, SceneSpec, SlippingWheels};
 
 /// Mistakes in the faults of a scene whose robots are known.
 pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
@@ -43,7 +44,8 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
                     )
                 })
             }
-            FaultKind::Dies | FaultKind::Slip { .. } | FaultKind::RadioOff => None,
+            FaultKind::Slip { wheels, .. } => immune_wheels(&robot.robi, *wheels),
+            FaultKind::Dies | FaultKind::RadioOff => None,
         };
         if let Some((message, expected, nearest)) = mistake {
             let nearest = nearest.map(|nearest| format!("write `{nearest}`"));
@@ -51,6 +53,22 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
         }
     }
     sink.finish()
+}
+
+/// Message, expectation and suggestion if these wheels of the robot cannot slip.
+fn immune_wheels(robi: &RobiSpec, wheels: SlippingWheels) -> Option<(String, String, Option<String>)> {
+    match robi.drive.kind {
+        DriveKind::Legged | DriveKind::Thrusters => {
+            let message = format!("`{}` has no wheels with a motor that could slip", robi.name);
+            Some((message, "another fault, or a robot with another drive".to_owned(), None))
+        }
+        DriveKind::Ackermann if wheels != SlippingWheels::All => {
+            let message = format!("the wheels of `{}` have one motor: those of one side do not slip alone", robi.name);
+            let all = "wheels = \"all\"".to_owned();
+            Some((message, format!("`{all}`"), Some(all)))
+        }
+        _ => None,
+    }
 }
 
 /// Message, expectation and most similar name if the robot does not have the sensor.
