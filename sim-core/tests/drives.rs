@@ -290,7 +290,7 @@ fn command_to_one_motor_keeps_the_other_rates() {
     assert_eq!(rig.motion.stop_wheel_control(rig.at, 2), Err(CommandError::NoWheel { wheels: 2 }));
     for bad in [f64::NAN, -1.0, f64::INFINITY, 1e13] {
         let pid = Pid { i: bad, ..pid };
-        assert_eq!(rig.motion.start_wheel_control(rig.at, 0, pid), Err(CommandError::NotFinite));
+        assert_eq!(rig.motion.start_wheel_control(rig.at, 0, pid), Err(CommandError::Controller));
     }
 }
 

@@ -68,6 +68,9 @@ pub enum CommandError {
     /// A number is NaN, infinite, of a magnitude greater than 10^12, or negative where it must not be.
     #[error("a value of the command is not a number that can be driven, accepted: finite values up to 1e12")]
     NotFinite,
+    /// A parameter of a controller is not valid.
+    #[error("a parameter of the controller is out of range, accepted: factors from 0 to 1e12, reset times above 0")]
+    Controller,
     /// An Ackermann drive cannot turn without driving.
     #[error("an Ackermann drive cannot turn on the spot, accepted: curves with a length")]
     TurnOnSpot,

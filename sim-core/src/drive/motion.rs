@@ -356,10 +356,10 @@ impl Motion {
     /// Starts the PI controllers at `at`. They have an effect only if the wheels have a lag.
     ///
     /// # Errors
-    /// [`CommandError::NotFinite`] for gains that are not [valid](Gains::is_valid).
+    /// [`CommandError::Controller`] for gains that are not [valid](Gains::is_valid).
     pub fn start_control(&mut self, at: Time, gains: Gains) -> Result<(), CommandError> {
         if !gains.is_valid() {
-            return Err(CommandError::NotFinite);
+            return Err(CommandError::Controller);
         }
         self.input(at, Input::Control(Some(gains)), &[])
     }
@@ -374,11 +374,11 @@ impl Motion {
     /// have a lag.
     ///
     /// # Errors
-    /// [`CommandError::NoWheel`], or [`CommandError::NotFinite`] for factors that are not [valid](Pid::is_valid).
+    /// [`CommandError::NoWheel`], or [`CommandError::Controller`] for factors that are not [valid](Pid::is_valid).
     pub fn start_wheel_control(&mut self, at: Time, wheel: usize, pid: Pid) -> Result<(), CommandError> {
         check_wheel(&self.vehicle.model, wheel)?;
         if !pid.is_valid() {
-            return Err(CommandError::NotFinite);
+            return Err(CommandError::Controller);
         }
         self.input(at, Input::WheelControl(wheel, Some(pid)), &[])
     }
