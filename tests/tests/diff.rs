@@ -108,3 +108,15 @@ fn files_of_other_kinds_are_refused() {
     refuses("a.jsonl", "missing", "`missing`: No such file");
     refuses("/dev/zero", "a.jsonl", "`/dev/zero` is not a file");
 }
+
+#[test]
+fn runs_of_different_slots_are_compared_by_their_positions() {
+    let scratch = Scratch::new();
+    run(&scratch, "a", &["--slot", "20"]);
+    run(&scratch, "b", &["--slot", "50"]);
+    let ran = diff(&scratch, "a.jsonl", "b.jsonl");
+    assert_eq!(ran.code, Some(1), "{ran:#?}");
+    assert!(ran.stdout.starts_with("slot: 0.020 s in A, 0.050 s in B\n"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("only the positions of robots"), "{}", ran.stdout);
+    assert!(!ran.stdout.contains("diverge") && !ran.stdout.contains("apart"), "{}", ran.stdout);
+}

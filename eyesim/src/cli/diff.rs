@@ -159,6 +159,12 @@ fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
     }
     match &diff.first {
         Some(first) => describe_first(&mut text, first)?,
+        None if !diff.compares_events() => {
+            writeln!(
+                text,
+                "the slots differ: only the positions of robots at the ends of slots of both runs are compared"
+            )?;
+        }
         None if diff.ends_differ() => {
             let [a, b] = diff.ends.map(|end| end.map(|end| end.to_string()).unwrap_or_default());
             writeln!(text, "equal events, but A ends at {a} and B at {b}")?;

@@ -18,6 +18,9 @@ pub struct TraceDiff {
     /// Differences between the headers, such as `seed: 1 in A, 2 in B`. They may explain other differences;
     /// [`TraceDiff::is_equal`] ignores them.
     pub headers: Vec<String>,
+    /// Lengths of the slots of A and B. If they differ, only positions are compared, at the ends of slots of both runs:
+    /// events that belong to the end of a slot, such as poses, have no counterparts.
+    pub slots: [Time; 2],
     /// First difference between the events; none if all events are equal. A truncated trace is compared only as far as
     /// it goes.
     pub first: Option<Difference>,
@@ -49,8 +52,8 @@ pub struct Difference {
 pub struct PathPair {
     /// Paths in A and in B, in the world, m; none if the trace has no pose of the robot.
     pub trails: [Option<Trail>; 2],
-    /// Maximum distance in m between the positions at the end of a slot, and the end of that slot; none if the
-    /// positions never differ, or if a trace has no pose of the robot.
+    /// Maximum distance in m between the positions at an instant at which a slot ends in both runs, and that instant;
+    /// none if the positions never differ, or if a trace has no pose of the robot.
     pub farthest: Option<(f64, Time)>,
     positions: [Option<DVec2>; 2],
 }
@@ -68,7 +71,8 @@ impl TraceDiff {
     /// # Errors
     /// [`TraceError`] for an invalid line.
     pub fn of<R: BufRead>(mut readers: [TraceReader<R>; 2]) -> Result<Self, TraceError> {
-        let mut diff = Self { headers: header_differences(&readers), ..Self::default() };
+        let slots = readers.each_ref().map(|reader| Time(reader.header().slot_us));
+        let mut diff = Self { headers: header_differences(&readers), slots, ..Self::default() };
         let mut last_events = BTreeMap::new();
         let mut next = [diff.next_slot(&mut readers, 0)?, diff.next_slot(&mut readers, 1)?];
         // A truncated trace is compared up to its last complete slot.
@@ -86,9 +90,15 @@ impl TraceDiff {
         Ok(diff)
     }
 
-    /// Returns true if no difference between the events was found, and the ends are equal or one of them is unknown.
+    /// Returns true if the events were compared and no difference was found, and the ends are equal or one of them is
+    /// unknown.
     pub fn is_equal(&self) -> bool {
-        self.first.is_none() && !self.ends_differ()
+        self.compares_events() && self.first.is_none() && !self.ends_differ()
+    }
+
+    /// Returns true if the events are compared: the slots of both runs have the same length.
+    pub fn compares_events(&self) -> bool {
+        self.slots[0] == self.slots[1]
     }
 
     /// Returns true if both runs have an end, and these differ.
@@ -127,8 +137,10 @@ impl TraceDiff {
                 self.paths.entry(event.robot.unwrap_or_default()).or_default().push(run, event);
             }
         }
-        self.paths.values_mut().for_each(|paths| paths.measure(end));
-        if self.first.is_none() {
+        if self.slots.iter().all(|slot| end.floor_to(*slot) == end) {
+            self.paths.values_mut().for_each(|paths| paths.measure(end));
+        }
+        if self.first.is_none() && self.compares_events() {
             self.first = first_difference(end, slots, last_events);
         }
     }
