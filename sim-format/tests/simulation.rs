@@ -18,7 +18,7 @@ use sim_core::spec::SceneSpec;
 use sim_core::time::Time;
 use sim_core::world::World;
 use sim_core::{ObjectId, RobotId};
-use sim_format::{MemoryFiles, load_scene};
+use sim_format::{Code, MemoryFiles, load_scene};
 
 /// Robots of several kinds with noise, a lossy radio, and movable objects.
 const SCENE: &str = r#"
@@ -470,6 +470,32 @@ fn a_robot_that_has_failed_or_was_removed_obeys_no_command() {
 }
 
 #[test]
+fn a_removed_robot_stays_where_it_was_and_hears_nothing() {
+    let text = "[world]\nfloor_mm = [9000, 4000]\nwater_mm = 1000\n\
+                [[robot]]\ntype = \"Mako\"\nx_mm = 1000\ny_mm = 1000\n\
+                [[robot]]\ntype = \"Mako\"\nx_mm = 1000\ny_mm = 3000\n";
+    let mut simulation = simulate(text, 50);
+    for number in 1..=2 {
+        simulation.with_robot(RobotId(number), |robot, world| {
+            robot.switch_radio_on(world, number, 9_600);
+            robot.set_motors(world, [0, 2], 100);
+        });
+    }
+    simulation.advance_to(Time::from_millis(2_000));
+    let removed_at = simulation.pose(ONE);
+    simulation.act(&Action::RemoveRobot { robot: 1 }).expect("it is done");
+    simulation.advance_to(Time::from_millis(2_100));
+    simulation.with_robot(RobotId(2), |robot, world| {
+        robot.send_message(world, Address::All, b"a").expect("there is room");
+    });
+    simulation.advance_to(Time::from_millis(4_000));
+    assert_eq!(simulation.pose(ONE), removed_at, "a submarine has momentum");
+    assert!(simulation.pose(RobotId(2)).position.x > removed_at.position.x + 1.0);
+    assert_eq!(simulation.with_robot(ONE, |robot, _| robot.receive_message()), None);
+    assert!(simulation.world().radio().members().iter().all(|member| member.robot != ONE));
+}
+
+#[test]
 fn a_fault_acts_from_the_start_of_its_slot() {
     for (at_ms, at) in [(0, "0"), (1_000, "1.02")] {
         let mut simulation =
@@ -479,6 +505,29 @@ fn a_fault_acts_from_the_start_of_its_slot() {
         simulation.advance_to(Time::from_millis(at_ms));
         assert_eq!(simulation.range(ONE, 0), None, "{at}");
     }
+}
+
+/// The mistake in a scene of a robot of the type `kind` with a slip fault of these `wheels`.
+fn slip_mistake(kind: &str, wheels: &str) -> Option<String> {
+    let text = format!(
+        "[world]\nfloor_mm = [4000, 4000]\nwater_mm = 1000\n\
+         [[robot_type]]\nname = \"Car\"\ndrive = {{ kind = \"ackermann\", motor = [{{ name = \"MOTOR\" }}] }}\n\
+         [[robot]]\ntype = \"{kind}\"\nx_mm = 1000\ny_mm = 1000\n\
+         [[fault]]\nkind = \"slip\"\nslip_percent = 50\nat_s = 1\nwheels = \"{wheels}\"\n"
+    );
+    let files: MemoryFiles = [("room.scene.toml", &*text)].into_iter().collect();
+    let diagnostics = load_scene("room.scene.toml", &files).diagnostics;
+    diagnostics.into_iter().find(|diagnostic| diagnostic.code == Code::FaultTarget).map(|diagnostic| diagnostic.message)
+}
+
+#[test]
+fn only_wheels_that_can_slip_are_accepted() {
+    assert_eq!(slip_mistake("S4", "left"), None);
+    assert_eq!(slip_mistake("Car", "all"), None);
+    let expected = "the wheels of `Car` have one motor: those of one side do not slip alone";
+    assert_eq!(slip_mistake("Car", "right").as_deref(), Some(expected));
+    let expected = "`Mako` has no wheels with a motor that could slip";
+    assert_eq!(slip_mistake("Mako", "all").as_deref(), Some(expected));
 }
 
 #[test]

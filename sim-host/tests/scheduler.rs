@@ -308,6 +308,24 @@ fn a_run_without_programs_can_be_copied() {
     assert_eq!(last.lock().0, Some(simulation.digest()), "what was recorded is the same");
 }
 
+/// A copy of a run has the faults that are still to come.
+#[test]
+fn a_copy_of_a_run_has_its_pending_faults() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[world]\nfloor_mm = [4000, 4000]\nwall = [{ from_mm = [2000, 0], to_mm = [2000, 4000] }]\n\
+                 [[robot]]\ntype = \"S4\"\nx_mm = 1500\ny_mm = 500\n\
+                 [[fault]]\nkind = \"sensor_off\"\nsensor = \"PSD_FRONT\"\nat_s = 0.2\n";
+    let path = folder.path().join("fault.scene.toml");
+    std::fs::write(&path, scene).expect("a file");
+    let ready = Scene::open(&path, Options::default()).and_then(Scene::load);
+    let running = ready.and_then(|ready| ready.start(Observers::default()));
+    let running = running.unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = running.scheduler.snapshot().expect("nobody has a program");
+    assert!(simulation.range(RobotId(1), 0).is_some());
+    simulation.advance_to(Time::from_millis(200));
+    assert_eq!(simulation.range(RobotId(1), 0), None);
+}
+
 #[test]
 fn a_run_with_programs_cannot_be_copied() {
     if !has_compiler() {

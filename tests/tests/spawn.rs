@@ -198,3 +198,66 @@ fn a_program_that_does_not_leave_is_left_behind() {
         assert_eq!(outcomes, ["finished", "removed"], "{exec}");
     }
 }
+
+/// Sends ten messages at once, and drives on after its end.
+const SEND: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    RADIOInit();
+    for (int i = 0; i < 10; i++) RADIOSend(2, "a message");
+    VWSetSpeed(300, 0);
+    return 0;
+}
+"#;
+
+/// Sends ten messages, and drives until it is stopped.
+const SEND_FOREVER: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    RADIOInit();
+    for (int i = 0; i < 10; i++) RADIOSend(2, "a message");
+    VWSetSpeed(300, 0);
+    for (;;) OSWait(100);
+}
+"#;
+
+/// Counts messages for 4 s.
+const COUNT: &str = r#"
+#include "eyebot.h"
+int main(void) {
+    int from;
+    char text[32];
+    RADIOInit();
+    OSWait(4000);
+    int count = 0;
+    for (; RADIOCheck() > 0; count++) RADIOReceive(&from, text, 32);
+    LCDPrintf("%d", count);
+    return 0;
+}
+"#;
+
+#[test]
+fn a_removed_robot_sends_no_more_and_keeps_its_pose_and_outcome() {
+    let programs = [("send.c", SEND), ("forever.c", SEND_FOREVER), ("count.c", COUNT)];
+    let scratch = scene("", &programs);
+    let run = |program: &str, fault: &str| {
+        let robot = |program: &str, y_mm: u32| {
+            format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nx_mm = 500\ny_mm = {y_mm}\n")
+        };
+        let world = "[world]\nfloor_mm = [4000, 4000]\n[radio]\nmedium = \"aloha\"\nbaud = 300\n";
+        let text = format!("{world}{}{}{fault}", robot(program, 500), robot("count.c", 1500));
+        scratch.write("radio.scene.toml", &text);
+        write_hand(&scratch, &[(1.0, remove_robot(1))]);
+        let report = scratch.report("radio.scene.toml", &["--repeat", "hand.jsonl", "--until", "5"], 0);
+        let [removed, counts] = [0, 1].map(|index| report["robots"][index].clone());
+        let lcd = counts["lcd"][0].as_str().unwrap_or_default().to_owned();
+        (removed["outcome"].clone(), number(&removed, "pose.x_m"), lcd)
+    };
+    // The second of the messages of half a second is on the air.
+    let (outcome, x, count) = run("forever.c", "");
+    assert!(outcome == "removed" && (x - 0.8).abs() < 0.01 && count == "2", "{outcome} {x} {count}");
+    let (outcome, x, _) = run("send.c", "");
+    assert!(outcome == "finished" && (x - 0.8).abs() < 0.01, "{outcome} {x}");
+    let (outcome, x, _) = run("forever.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
+    assert!(outcome == "halted" && (x - 0.65).abs() < 0.01, "{outcome} {x}");
+}

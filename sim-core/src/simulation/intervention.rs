@@ -123,7 +123,7 @@ pub enum Intervention {
     SetNoise(Vec<(RobotId, Profile)>),
     /// Switches the sensors of this name of a robot on or off.
     SwitchSensor(RobotId, String, bool),
-    /// Removes a robot; the caller has halted it.
+    /// Removes a robot; the caller has halted it and switches its radio off.
     RemoveRobot(RobotId),
     /// Adds a movable object.
     AddObject(Box<ObjectSpec>),
@@ -283,7 +283,13 @@ impl Environment {
                 robots.with(*id, |robot| robot.switch_sensor(at, sensor, *is_on));
             }
             Intervention::RemoveRobot(id) => {
-                robots.with(*id, |robot| robot.is_removed = true);
+                robots.with(*id, |robot| {
+                    robot.is_removed = true;
+                    // A removed robot stays where it is, even if its motors run, or its hull has momentum. (A robot
+                    // beyond 10^9 m is too far away to be placed, and only comes to rest.)
+                    let pose = robot.motion.pose(at);
+                    let _ = robot.motion.place(at, pose);
+                });
                 world.remove_robot(*id);
                 self.forget_robot(*id);
             }

@@ -103,11 +103,19 @@ impl Simulation {
     }
 
     /// Creates a simulation of copies of `robots`, in the order of their ids, in a copy of `environment`, at the start
-    /// of the environment's present slot. The copy has no visuals and no pending faults. `roster` and `factory` are
-    /// used to add more robots.
-    pub fn copy_of(environment: &Environment, robots: &[&Robot], roster: &Roster, factory: &RobotFactory) -> Self {
+    /// of the environment's present slot, with these pending `faults`. The copy has no visuals. `roster` and `factory`
+    /// are used to add more robots.
+    pub fn copy_of(
+        environment: &Environment,
+        robots: &[&Robot],
+        roster: &Roster,
+        factory: &RobotFactory,
+        faults: Faults,
+    ) -> Self {
         let robots = robots.iter().map(|robot| (*robot).clone()).collect();
-        Self::of(environment.clone(), robots, roster.clone(), factory.clone())
+        let mut copy = Self { faults, ..Self::of(environment.clone(), robots, roster.clone(), factory.clone()) };
+        copy.apply_faults();
+        copy
     }
 
     /// Creates a simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot.
@@ -208,7 +216,10 @@ impl Simulation {
         let intervention = Intervention::validate(action, robots, &self.roster, &self.environment.world)?;
         self.environment.record_intervention(self.now, action);
         if let Intervention::RemoveRobot(id) | Intervention::HaltRobot(id) = intervention {
-            self.with_robot(id, Robot::halt);
+            self.with_robot(id, |robot, world| {
+                robot.halt(world);
+                robot.switch_radio_off();
+            });
         }
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
         self.acted.extend(effect.robots);

@@ -317,7 +317,8 @@ impl Scheduler {
         let robots: Vec<_> = (0..run.robot_count()).map(|index| run.robot(RobotId::from_index(index))).collect();
         let robots: Vec<_> = robots.iter().map(|robot| &robot.state).collect();
         let spawner = run.spawner();
-        Ok(Simulation::copy_of(&run.environment.read(), &robots, spawner.roster(), spawner.factory()))
+        let environment = run.environment.read();
+        Ok(Simulation::copy_of(&environment, &robots, spawner.roster(), spawner.factory(), self.faults.clone()))
     }
 
     /// Ends the paused run at its position, as an interrupt by the user does.
@@ -539,7 +540,7 @@ impl Scheduler {
             let failure = self.failures.iter().find(|(other, _)| *other == id).map(|(_, failure)| failure);
             let status = match run.program(id) {
                 Some(_) if failure.is_none() && run.is_removed(id) && robot.ending == Some(Ending::Stopped) => {
-                    if robot.is_removed { ProgramStatus::removed() } else { ProgramStatus::halted() }
+                    if robot.is_halted { ProgramStatus::halted() } else { ProgramStatus::removed() }
                 }
                 Some(program) => program_status::judge(&mut robot, &run_end, failure, program),
                 None => ProgramStatus::without_program(),

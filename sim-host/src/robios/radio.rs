@@ -49,9 +49,10 @@ pub fn refuse_while_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) 
 }
 
 /// Switches the radio off; returns the number of messages that are not transmitted, if it is known. In RoBIOS-7 messages
-/// that were sent are still transmitted, as in EyeSim VR.
+/// that were sent are still transmitted, as in EyeSim VR, unless the robot was removed or has failed.
 fn switch_off(robot: &mut Robot) -> Option<usize> {
-    let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
+    let is_retired = robot.robios.is_of_robios7() && !(robot.is_removed || robot.is_halted);
+    let unsent = if is_retired { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);
     unsent
 }
@@ -117,5 +118,7 @@ pub fn receive(
 /// Switches the radio off when the program ends.
 pub fn end(robot: &mut Robot) {
     let unsent = switch_off(robot);
-    robot.state.end_radio(unsent);
+    if !(robot.is_removed || robot.is_halted) {
+        robot.state.end_radio(unsent);
+    }
 }
