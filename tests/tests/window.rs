@@ -482,6 +482,23 @@ fn a_page_that_comes_late_gets_the_trails() {
 }
 
 #[test]
+fn a_page_that_comes_after_the_end_gets_the_colour_display() {
+    let program = "#include \"eyebot.h\"\nint main(void) {\n  VWStraight(10, 100);\n  VWWait();\n  return 0;\n}\n";
+    let scratch = scene_of(&[("seven.c", program)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--speed", "max", "--trace", "t.jsonl"]);
+    let start = Instant::now();
+    let trace = scratch.path().join("t.jsonl");
+    let is_over = || std::fs::read_to_string(&trace).is_ok_and(|text| text.contains("\"event\":\"end\""));
+    while !is_over() {
+        assert!(start.elapsed() < PATIENCE, "the run never ends");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let mut page = served.page();
+    page.until("the end", |page| matches!(page.state(), Some(RunState::Ended { .. })));
+    assert!(page.scene.as_ref().expect("a scene").robots[0].lcd.has_colours);
+}
+
+#[test]
 fn a_page_that_comes_late_gets_the_last_layer() {
     let scratch = scene_of(&[("mapper.c", MAPPER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);

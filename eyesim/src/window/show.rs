@@ -13,6 +13,7 @@ use sim_host::check::{self, Progress, Standing, Tally};
 use sim_host::executive::run::Run;
 use sim_host::executive::scheduler::RobotEnd;
 use sim_host::record::report::CheckReport;
+use sim_host::robios::panel::Panel;
 use sim_host::scenery::LazyScenery;
 use sim_view::protocol::{AddableTypes, CheckState, CheckVerdict, Detail, Reading, RunState, Scene, Snapshot};
 use sim_view::window::{Look, Window};
@@ -129,7 +130,7 @@ impl Show {
         let Moment { run, world, now, state, speed, rate, ends, results } = moment;
         self.update_looks(run);
         self.body_poses = body_poses(run, world);
-        self.update_roster(run);
+        self.update_roster(run, ends);
         let (events, omitted) = self.feed.lock().take_events();
         if !self.window.has_pages() {
             self.window.add_events(events, omitted);
@@ -212,21 +213,13 @@ impl Show {
         if self.bodies.as_ref() == Some(&bodies) {
             return;
         }
-        let spawner = run.spawner();
         let at = world.slot_start();
-        let robot = |id: &RobotId| {
-            let spec = &spawner.roster().robots()[id.index()];
-            RobotInput {
-                id: *id,
-                robi: Arc::clone(&spec.robi),
-                program: spec.program_name().to_owned(),
-                position: world.robot_pose(*id, at).position,
-                has_colours: run.robot(*id).robios.screen.is_some(),
-            }
-        };
-        let object = |id: &ObjectId| {
-            let kind = Arc::clone(&spawner.roster().objects()[id.index()].kind);
-            ObjectInput { id: *id, kind, position: world.object_pose(*id, at).position }
+        let (robots, objects) = &self.roster;
+        let robot =
+            |id: &RobotId| RobotInput { position: world.robot_pose(*id, at).position, ..robots[id.index()].clone() };
+        let object = |id: &ObjectId| ObjectInput {
+            position: world.object_pose(*id, at).position,
+            ..objects[id.index()].clone()
         };
         let input = SceneInput {
             run: self.run,
@@ -236,14 +229,14 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: bodies.robots.iter().map(robot).collect(),
             objects: bodies.objects.iter().map(object).collect(),
-            workshop: addable_types(spawner.roster()),
+            workshop: addable_types(run.spawner().roster()),
         };
         self.window.show_scene(input.scene());
         self.bodies = Some(bodies);
     }
 
-    /// Adds new bodies to the roster.
-    fn update_roster(&mut self, run: &Run) {
+    /// Adds new bodies to the roster. At the end of the run, the displays are in `ends`.
+    fn update_roster(&mut self, run: &Run, ends: &[RobotEnd]) {
         let spawner = run.spawner();
         let (robots, objects) = (spawner.roster().robots(), spawner.roster().objects());
         if (self.roster.0.len(), self.roster.1.len()) == (robots.len(), objects.len()) {
@@ -251,7 +244,12 @@ impl Show {
         }
         let robot = |spec| {
             let robot = RobotInput::at_start(spec);
-            RobotInput { has_colours: run.robot(robot.id).robios.screen.is_some(), ..robot }
+            let end = ends.get(robot.id.index());
+            let has_colours = end.map_or_else(
+                || run.robot(robot.id).robios.is_of_robios7(),
+                |end| matches!(end.panel, Panel::Colour(_)),
+            );
+            RobotInput { has_colours, ..robot }
         };
         let objects = (1..).map(ObjectId).zip(objects);
         self.roster =
