@@ -79,6 +79,8 @@ test("restart with the same, a new and a chosen seed", { skip }, async () => {
   await again("the same seed", (scene) => scene.run === run + 1 && scene.seed === "7");
   await control("restart-new").click();
   await again("a new seed", (scene) => scene.run === run + 2 && scene.seed !== "7");
+  // The browser shows the title when the text in the field is no seed.
+  assert.match(await control("seed").getAttribute("title"), /^A whole number from 0; the seed of this run is \d+$/);
   await control("seed").fill("18446744073709551615");
   await control("restart-seed").click();
   await again("that seed", (scene) => scene.run === run + 3 && scene.seed === "18446744073709551615");

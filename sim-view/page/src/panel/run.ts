@@ -113,7 +113,7 @@ export function runPanel(model: Model): HTMLElement {
     if (!snapshot) return;
     setText(time, `${snapshot.t_s.toFixed(2)} s`);
     setText(rate, rateName(snapshot.rate));
-    seed.title = `The seed of this run is ${scene?.seed ?? "unknown"}`;
+    seed.title = `A whole number from 0; the seed of this run is ${scene?.seed ?? "unknown"}`;
     setText(state, stateName(model, snapshot));
     state.dataset["is"] = snapshot.state.is;
   }
