@@ -131,16 +131,21 @@ class Run:
 
     def columns(self, kind: str = "pose", robot: int | None = None) -> dict[str, npt.NDArray[Any]]:
         """Events of one kind as arrays by the names of their fields, in order of time: `columns("pose")["x_m"]`."""
-        rows = [it for it in self.events if it["event"] == kind and robot in (None, it.get("robot"))]
-        names = list(dict.fromkeys(name for row in rows for name in row if name != "event"))
+        rows = self._rows(kind, robot)
+        names = list(dict.fromkeys(name for row in rows for name in row))
         return {name: _column([row.get(name) for row in rows]) for name in names}
 
     def table(self, kind: str = "pose", robot: int | None = None) -> Any:
         """Events of one kind as a data frame of polars, otherwise of pandas; raises `ImportError` if neither is installed."""
-        columns = self.columns(kind, robot)
+        rows = self._rows(kind, robot)
         if importlib.util.find_spec("polars"):
-            return importlib.import_module("polars").DataFrame(columns)
-        return importlib.import_module("pandas").DataFrame(columns)
+            # The types of columns depend on all rows, since values may be null.
+            return importlib.import_module("polars").DataFrame(rows, infer_schema_length=None)
+        return importlib.import_module("pandas").DataFrame(rows)
+
+    def _rows(self, kind: str, robot: int | None) -> list[dict[str, Any]]:
+        rows = [it for it in self.events if it["event"] == kind and robot in (None, it.get("robot"))]
+        return [{name: value for name, value in row.items() if name != "event"} for row in rows]
 
     def plot(self) -> Picture:
         """The world and the robots' paths seen from above, as a picture that a notebook shows."""

@@ -159,3 +159,12 @@ def test_keys_can_be_one_text(tmp_path):
     for keys in ("1:KEY1, 2:KEY2", ["1:KEY1", "2:KEY2"]):
         [robot] = eyesim.run(SQUARE, programs=path, keys=keys).report["robots"]
         assert robot["outcome"] == "finished" and robot["virtual_time_s"] == pytest.approx(2.0, abs=0.1)
+
+
+def test_columns_of_a_table_have_types_although_values_are_missing(tmp_path):
+    polars = pytest.importorskip("polars")
+    path = tmp_path / "halt.py"
+    path.write_text("import sys\nfrom eye import *\nif OSMachineID() == 1:\n    sys.exit(3)\nOSWait(100000)\n")
+    second = SQUARE[SQUARE.index("[[robot]]") :].replace("y_mm = 1500", "y_mm = 2500")
+    codes = eyesim.run(SQUARE + second, programs=path, until=1.0).table("program_ended")["exit_code"]
+    assert codes.dtype == polars.Int64 and codes.to_list() == [3, None]
