@@ -218,7 +218,7 @@ impl<'w> Reader<'w> {
                 Ok(())
             }
             None if stem_of_unsupported_archive(name).is_some() => {
-                self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
+                self.note(name, "is an archive, but not .zip, .tar or .tar.gz");
                 Ok(())
             }
             None => Ok(()),
@@ -355,7 +355,7 @@ impl<'w> Reader<'w> {
     fn is_read(&mut self, name: &str) -> bool {
         let is_read = (self.is_wanted)(name) || kind_of(name).is_some();
         if !is_read && stem_of_unsupported_archive(name).is_some() {
-            self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
+            self.note(name, "is an archive, but not .zip, .tar or .tar.gz");
         }
         is_read
     }

@@ -76,14 +76,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         if matching.iter().any(|path| kind_of(path) != Some(kind)) {
             return Err(format!("files of several kinds fit {}: {}; expected one kind", expected(), names(&matching)));
         }
-        if kind != SourceKind::Source && matching.len() > 1 {
-            return Err(format!(
-                "{} files fit {}: {}; expected the one that is to be started",
-                matching.len(),
-                expected(),
-                names(&matching)
-            ));
-        }
+        let matching = if kind == SourceKind::Source { matching } else { vec![started(submit, &matching)?] };
         if matching.len() > MAX_SOURCES {
             return Err(format!("{} files fit {}; expected at most {MAX_SOURCES}", matching.len(), expected()));
         }
@@ -188,13 +181,35 @@ fn sanitized_name(robots: &str) -> String {
     robots.chars().map(|c| if c.is_alphanumeric() || c == '.' || c == '-' { c } else { '_' }).collect()
 }
 
-/// Returns true if a pattern matches the file's name, or the end of its path if the pattern has a slash.
+/// Returns true if one of the patterns matches the file.
 fn is_submitted(submit: &SubmitSpec, path: &str) -> bool {
-    submit.patterns.iter().any(|pattern| {
-        let parts = pattern.matches('/').count() + 1;
-        let at = path.rmatch_indices('/').nth(parts - 1).map_or(0, |(at, _)| at + 1);
-        Pattern::parse_list(pattern).iter().any(|pattern| pattern.matches(&path[at..]))
-    })
+    submit.patterns.iter().any(|pattern| is_match(pattern, path))
+}
+
+/// Returns true if the pattern matches the file's name, or the end of its path if the pattern has a slash.
+fn is_match(pattern: &str, path: &str) -> bool {
+    let parts = pattern.matches('/').count() + 1;
+    let at = path.rmatch_indices('/').nth(parts - 1).map_or(0, |(at, _)| at + 1);
+    Pattern::parse_list(pattern).iter().any(|pattern| pattern.matches(&path[at..]))
+}
+
+/// The file that is started, of files of which a program has only one: the one that matches the first pattern that any
+/// of them matches.
+///
+/// # Errors
+/// A message for the student, if several files match that pattern.
+fn started<'p>(submit: &SubmitSpec, matching: &[&'p str]) -> Result<&'p str, String> {
+    let of_pattern = |pattern: &String| matching.iter().copied().filter(|path| is_match(pattern, path)).collect();
+    let first: Option<Vec<&str>> = submit.patterns.iter().map(of_pattern).find(|files: &Vec<_>| !files.is_empty());
+    match first.as_deref() {
+        Some([file]) => Ok(file),
+        _ => Err(format!(
+            "{} files fit {}: {}; expected the one that is to be started",
+            matching.len(),
+            patterns(submit),
+            names(matching)
+        )),
+    }
 }
 
 /// The paths without duplicates: of files with the same name and contents, the one in the fewest folders is kept.
@@ -298,6 +313,12 @@ mod tests {
         let python = [submit("1", &["*.py"])];
         check(&python, &[("a.py", "1"), ("b.py", "2")], Err("2 files fit"));
         check(&[submit("1", &["main.py"])], &[("main.py", "1"), ("b.py", "2")], Ok(&[&["main.py"]]));
+        let named = [submit("1", &["main.py", "*.c", "*.py"])];
+        check(&named, &[("a/__init__.py", "1"), ("a/b.py", "2"), ("lab/Main.py", "3")], Ok(&[&["lab/Main.py"]]));
+        check(&named, &[("solve.py", "1")], Ok(&[&["solve.py"]]));
+        check(&named, &[("a.py", "1"), ("b.py", "2")], Err("2 files fit `main.py` or `*.c` or `*.py`: `a.py`, `b.py`"));
+        check(&named, &[("x/main.py", "1"), ("y/main.py", "2")], Err("2 files fit"));
+        check(&named, &[("main.py", "1"), ("main.c", "2")], Err("several kinds"));
         check(&python, &[("check.py", "1"), ("lab/eye.py", "2"), ("lab/solve.py", "3")], Ok(&[&["lab/solve.py"]]));
         check(&python, &[("x/check.py", "1")], Err("`x/check.py` is left out: the suite has a file of this name"));
         check(&[submit("1", &["*"])], &[("main.py", "1"), ("b.c", "2")], Err("several kinds"));

@@ -180,7 +180,7 @@ fn rubric(html: &mut String, student: &Student) {
             );
         }
     }
-    html.push_str("</table>\n<p>A case in which a program fails has no points.</p>\n");
+    html.push_str("</table>\n<p>A case has no points if a program fails or a required check is not met.</p>\n");
 }
 
 fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
