@@ -39,8 +39,10 @@ pub fn warn(py: Python<'_>, diagnostics: &[Diagnostic]) -> PyResult<()> {
     py.import("eyesim._errors")?.getattr("warn")?.call1((rows(diagnostics),)).map(drop)
 }
 
-/// The fields of `eyesim.Diagnostic` for each mistake.
-fn rows(diagnostics: &[Diagnostic]) -> Vec<(String, String, String, u32, u32, String, String)> {
+/// The fields of an `eyesim.Diagnostic`.
+type Row = (String, String, String, u32, u32, String, String);
+
+fn rows(diagnostics: &[Diagnostic]) -> Vec<Row> {
     let row = |it: &Diagnostic| {
         let (severity, code) = (it.severity.to_string(), it.code.to_string());
         (severity, code, it.file.clone(), it.span.line, it.span.column, it.message.clone(), it.expected.clone())
