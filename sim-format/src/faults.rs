@@ -64,8 +64,7 @@ fn immune_wheels(robi: &RobiSpec, wheels: SlippingWheels) -> Option<(String, Str
         }
         DriveKind::Ackermann if wheels != SlippingWheels::All => {
             let message = format!("the wheels of `{}` have one motor: those of one side do not slip alone", robi.name);
-            let all = "wheels = \"all\"".to_owned();
-            Some((message, format!("`{all}`"), Some(all)))
+            Some((message, "a slip of all wheels".to_owned(), Some("wheels = \"all\"".to_owned())))
         }
         _ => None,
     }
