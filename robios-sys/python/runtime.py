@@ -1911,6 +1911,7 @@ def _report_location(_signal_number, frame):
         return
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
+    frame = _frame_beside_program(frame) or frame
     if _struct.unpack_from("<I", _channel.memory, _LOCATION)[0] == _LOCATION_REQUESTED:
         if frame is not None:
             name = _os.path.basename(frame.f_code.co_filename).encode("utf-8", "replace")
@@ -1924,10 +1925,19 @@ def _report_location(_signal_number, frame):
     _os._exit(1)
 
 
+def _frame_beside_program(frame):
+    """The innermost of this frame and its callers whose file is in the folder of the program; None if there is none."""
+    folder = _os.path.dirname(_os.path.abspath(getattr(_sys.modules["__main__"], "__file__", None) or ""))
+    while frame is not None and _os.path.dirname(_os.path.abspath(frame.f_code.co_filename)) != folder:
+        frame = frame.f_back
+    return frame
+
+
 def _leave_fork():
     """Prepares a process that the program has forked: it has no robot, and ends at its first call."""
     def end(*_message):
-        _os.write(2, b"error: a process that a robot program has forked cannot call RoBIOS or print with `print`: it is ended\n")
+        _os.write(2, b"error: a process that a robot program has forked cannot call RoBIOS or print with `print`: "
+                      b"it is ended; a thread can: `threading.Thread` in place of `multiprocessing.Process`\n")
         _os._exit(1)
 
     _channel.send = end
@@ -1995,11 +2005,16 @@ def _advice(error, trace):
         return r"`\U`, `\x` and `\N` in a text begin a character's number: write `/` between folders"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
         return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
+    if isinstance(error, SyntaxError) and "invalid character" in str(error):
+        letter = next((letter for letter in error.text or "" if letter in _PLAIN_LETTERS), None)
+        return f"`{letter}` comes from a page or a word processor: write `{_PLAIN_LETTERS[letter]}`" if letter else None
     if isinstance(error, SyntaxError) and error.text and not isinstance(error, IndentationError):
         return _advice_on_syntax(error.text)
     if isinstance(error, UnboundLocalError):
         name = (str(error).split("'") + [None] * 2)[1]
         return f"a function that sets a variable of the program begins with `global {name}`"
+    if isinstance(error, (NameError, AttributeError)) and getattr(error, "name", None) in _PYTHON3_NAMES:
+        return f"it belongs to Python 2: Python 3 writes `{_PYTHON3_NAMES[error.name]}`"
     if isinstance(error, NameError) and getattr(error, "name", None) in getattr(_sys, "stdlib_module_names", ()):
         return f"write `import {error.name}` as the first line"
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and error.filename:
@@ -2018,6 +2033,9 @@ def _advice(error, trace):
             return f"`{module}` exists only on Windows"
         if module == "robios" or error.name.endswith(".eye"):
             return "the module of the robot is `eye`: write `from eye import *`"
+        present = _PYTHON3_MODULES.get(module, module.lower())
+        if module not in getattr(_sys, "stdlib_module_names", ()) and present in getattr(_sys, "stdlib_module_names", ()):
+            return f"write `import {present}`"
         if module in getattr(_sys, "stdlib_module_names", ()):
             return f"this Python is installed without its module `{module}`"
         return f"install it for this Python: {_sys.executable} -m pip install {_PACKAGES.get(module, module)}"
@@ -2075,6 +2093,18 @@ def _signature_in(error):
 # Names of packages that differ from those of their modules.
 _PACKAGES = {"cv2": "opencv-python-headless", "PIL": "Pillow", "sklearn": "scikit-learn", "skimage": "scikit-image", "yaml": "PyYAML"}
 
+# Names of Python 2 and what Python 3 writes.
+_PYTHON3_NAMES = {
+    "raw_input": "input", "xrange": "range", "unicode": "str", "unichr": "chr", "long": "int", "reduce": "functools.reduce",
+    "has_key": "key in dictionary", "iteritems": "items", "iterkeys": "keys", "itervalues": "values",
+}
+
+# Modules of Python 2 that have another name in Python 3; those that differ in case only are not listed.
+_PYTHON3_MODULES = {"StringIO": "io", "cPickle": "pickle", "thread": "threading", "urllib2": "urllib", "tkMessageBox": "tkinter"}
+
+# Typographic letters and those of programs.
+_PLAIN_LETTERS = {"\u201c": '"', "\u201d": '"', "\u201e": '"', "\u2018": "'", "\u2019": "'", "\u2212": "-", "\u2013": "-", "\u2014": "-"}
+
 # Words at the start of statements.
 _STATEMENT_WORDS = ("while", "for", "if", "elif", "else", "def", "return", "import", "from", "class", "try", "except", "with", "break")
 
@@ -2086,6 +2116,12 @@ def _advice_on_syntax(line):
 
     if re.match(r"\s*else\s+if\b", line):
         return "write `elif`"
+    handler = re.match(r"\s*except\s+([\w.]+)\s*,\s*(\w+)\s*:", line)
+    if handler:
+        return f"Python 3 writes `except {handler.group(1)} as {handler.group(2)}:`"
+    raised = re.match(r"\s*raise\s+([\w.]+)\s*,\s*(.+)", line)
+    if raised:
+        return f"Python 3 writes `raise {raised.group(1)}({raised.group(2).strip()})`"
     for words, instead in (("++", "+= 1"), ("--", "-= 1"), ("&&", "and"), ("||", "or")):
         if words in line:
             return f"Python has no `{words}`: write `{instead}`"

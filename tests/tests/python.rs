@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use serde_json::Value;
-use tests::Scratch;
+use tests::{Scratch, write_scene};
 
 /// Returns true if Python is installed; otherwise prints why the test is skipped.
 fn has_python() -> bool {
@@ -367,6 +367,32 @@ fn a_wrong_number_of_arguments_is_answered_by_the_names_of_the_parameters() {
     assert_eq!(said[calls.len()..], ["(1500, 1200, 0, 90)", "(1200, 1500, 0, 45)"]);
     let error = said_as(&scratch, "stderr").pop().unwrap_or_default();
     assert!(error.starts_with("TypeError: ") && error.ends_with(": it is `VWTurn(angle, ang_speed)`"), "{error}");
+}
+
+#[test]
+fn what_python_2_wrote_is_answered_by_what_python_3_writes() {
+    if !has_python() {
+        return;
+    }
+    let programs = [
+        ("raw_input('go')", "it belongs to Python 2: Python 3 writes `input`"),
+        ("for i in xrange(4): pass", "it belongs to Python 2: Python 3 writes `range`"),
+        ("import Queue", "write `import queue`"),
+        ("try:\n    pass\nexcept ValueError, error:\n    pass", "Python 3 writes `except ValueError as error:`"),
+        ("raise ValueError, 'no wall'", "Python 3 writes `raise ValueError('no wall')`"),
+        ("print(\u{201C}go\u{201D})", "`\u{201C}` comes from a page or a word processor: write `\"`"),
+    ];
+    let names: Vec<String> = (0..programs.len()).map(|index| format!("p{index}.py")).collect();
+    let scratch = Scratch::new();
+    write_scene(&scratch, &names.iter().map(String::as_str).collect::<Vec<_>>());
+    for (name, (program, _)) in names.iter().zip(programs) {
+        scratch.write(name, &format!("from eye import *\n{program}\n"));
+    }
+    let report = scratch.report("scene.sim", &["--api", "7"], 1);
+    for (index, (program, advice)) in programs.iter().enumerate() {
+        let reason = report["robots"][index]["reason"].as_str().unwrap_or_default();
+        assert!(reason.contains(advice), "{program}: {reason}");
+    }
 }
 
 #[test]
