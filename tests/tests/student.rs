@@ -148,6 +148,18 @@ fn an_endless_loop_is_reported_with_its_line_and_what_to_do() {
 }
 
 #[test]
+fn a_loop_that_waits_for_another_task_is_reported_with_what_to_do() {
+    let scratch = Scratch::new();
+    let text = "#include <pthread.h>\nvolatile int front = 9999;\nvoid *sense(void *none) { front = 0; return none; }\nint main(void)\n{\n  \
+                pthread_t task;\n  pthread_create(&task, 0, sense, 0);\n  while (front > 300)\n    ;\n  return 0;\n}\n";
+    scratch.write("mine.c", text);
+    write_scene(&scratch, &["mine.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim", "--timeout", "0.5"]);
+    let line = line_with(&ran.stderr, "endless loop");
+    assert!(line.contains("other tasks run only during calls") && !line.contains("leave it out"), "{ran:#?}");
+}
+
+#[test]
 fn a_program_without_a_call_gets_the_hint_that_its_robot_did_nothing() {
     let words = "has called no function of RoBIOS: its robot has done nothing";
     let (idle, code) = messages("int main(void) { return 0; }\n");
