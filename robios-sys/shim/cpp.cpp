@@ -157,6 +157,18 @@ void library_refuses(const char *, int, const char *, const char *condition)
     eyesim_uncaught(text, stack, eyesim_stack(stack, sizeof stack / sizeof *stack));
 }
 
+// A function without a body is called. The library's own function would stop with the same words, but is missing in a
+// static link, whose calls would then jump to address 0.
+extern "C" {
+[[noreturn]] void pure_virtual() NAMED(__cxa_pure_virtual);
+void pure_virtual()
+{
+    const void *stack[64];
+    eyesim_uncaught("a pure virtual function (`= 0`) is called: a constructor or destructor of its class calls it",
+                    stack, eyesim_stack(stack, sizeof stack / sizeof *stack));
+}
+}
+
 // std::random_device of libstdc++ would use the processor's generator.
 extern "C" {
 void device_init(void *, const void *) NAMED(_ZNSt13random_device7_M_initERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE);

@@ -234,13 +234,16 @@ impl<'a> Compilation<'a> {
 
     /// Further variants to try after the compiler has refused a source with the message `output`.
     fn other_variants<'m>(&self, hidden: &'m [PathBuf], output: &str) -> Vec<CompileVariant<'m>> {
-        let is_cpp = self.language() == Language::Cpp;
+        let oldest = match self.language() {
+            Language::C => 0,
+            Language::Cpp => 1 + usize::from(hint::is_refused_since_cpp17(output)),
+        };
         let may_be_lean = self.generation == Generation::Robios7 && hint::is_collision(output);
         let mut variants = vec![CompileVariant { hidden, ..CompileVariant::default() }];
         for hidden in [hidden, &[]] {
             for is_lean in [false, may_be_lean] {
-                for is_old in [false, is_cpp] {
-                    let variant = CompileVariant { is_old, is_lean, hidden, ..CompileVariant::default() };
+                for age in 0..=oldest {
+                    let variant = CompileVariant { age, is_lean, hidden, ..CompileVariant::default() };
                     if !variants.contains(&variant) {
                         variants.push(variant);
                     }
@@ -437,7 +440,7 @@ impl<'a> Compilation<'a> {
         let compiler = self.compiler(Language::of(source).unwrap_or(Language::C))?;
         let dependencies = object.with_extension("d");
         let mut command = self.compile_command(compiler);
-        command.args(compiler.compile_flags()).arg(compiler.standards()[usize::from(variant.is_old)]);
+        command.args(compiler.compile_flags()).args(compiler.standards().take(variant.age + 1).last());
         // A source beside hidden headers is compiled by its link. The compiler still runs in the source folder, to
         // which the paths in flags and in `#include "../map.h"` are relative.
         let mut links = PathBuf::new();
@@ -561,8 +564,8 @@ impl<'a> Compilation<'a> {
 /// Variant of a compilation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct CompileVariant<'m> {
-    /// Uses the older standard.
-    is_old: bool,
+    /// Index in the compiler's standards, of which the first is the newest; a language with fewer uses its last.
+    age: usize,
     /// Omits the declarations that EyeSim's `types.h` adds to its own names.
     is_lean: bool,
     /// The meaning of `inline` in C.

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::io;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -14,17 +15,22 @@ use super::language::Language;
 use super::words::split_words;
 use crate::host;
 
-/// Standards for the compilation of sources, newest first. The newest one that the compiler supports is tried first,
-/// then the last one of the list. In C the last one still accepts K&R functions and `bool` as a name; in C++ it accepts
-/// many course programs that the newest one refuses.
+/// Standards for the first compilation of a source, newest first: the newest one that the compiler supports is used.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
-        Language::C => &["-std=gnu17"],
+        Language::C => OLD_C_STANDARDS,
         Language::Cpp => {
             &["-std=gnu++26", "-std=gnu++2c", "-std=gnu++23", "-std=gnu++2b", "-std=gnu++20", "-std=gnu++17"]
         }
     }
 }
+
+/// The standard of C: newer ones refuse K&R functions and `bool` as a name.
+const OLD_C_STANDARDS: &[&str] = &["-std=gnu17"];
+
+/// Older standards, for sources that the newest one refuses, in the order in which they are tried. Before C++17,
+/// functions had `throw (...)` in their heads, and namespace `std` had no `byte`, `data` and `size`.
+const OLD_CPP_STANDARDS: &[&str] = &["-std=gnu++17", "-std=gnu++14"];
 
 /// Further flags of every compilation of a robot program, understood by every gcc and clang.
 ///
@@ -245,10 +251,13 @@ impl Compiler {
         flags.chain(self.optional_compile_flags.iter().map(String::as_str))
     }
 
-    /// Flags of the newest standard that the compiler supports, and of an older one for sources that the newest
-    /// refuses.
-    pub fn standards(&self) -> [&str; 2] {
-        [&self.newest_standard, standards(self.language).last().unwrap_or(&"")]
+    /// Flags of the newest standard that the compiler supports, and of older ones for sources that the newest refuses.
+    pub fn standards(&self) -> impl Iterator<Item = &str> {
+        let older = match self.language {
+            Language::C => OLD_C_STANDARDS,
+            Language::Cpp => OLD_CPP_STANDARDS,
+        };
+        iter::once(self.newest_standard.as_str()).chain(older.iter().copied())
     }
 
     /// Flags of the link that precede the object files; [`robios_sys::c::LIBRARIES`] follow these files.

@@ -9,6 +9,7 @@ use object::{Object as _, ObjectSymbol as _};
 use robios_sys::c;
 
 use super::beside::files_beside;
+use super::code::code_only;
 use super::generation::Generation;
 use super::header::{library_hint, nearby_hint};
 use super::language::{Language, without_txt};
@@ -81,7 +82,7 @@ pub fn compile_hints(output: &str, source: &Path, generation: Generation) -> Str
     }
     let header = output.lines().find_map(missing_header).and_then(|missing| missing_header_hint(missing, source));
     let text = String::from_utf8_lossy(&text);
-    let hints = [header, undeclared_hint(output, &text, generation), quote_hint(output, &text)];
+    let hints = [header, undeclared_hint(output, &text, generation), letter_hint(output, &text)];
     let hints: String = hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect();
     if hints.is_empty() { in_plain_words(output, (&name, &text)) } else { hints }
 }
@@ -131,19 +132,28 @@ fn undeclared_hint(output: &str, text: &str, generation: Generation) -> Option<S
 /// Beginning of the message about a program that does not include the header of RoBIOS.
 pub const MISSING_HEADER: &str = "`#include \"eyebot.h\"` is missing";
 
-/// Hint on the first typographic quote, with its line, if the compiler reports such characters.
-fn quote_hint(output: &str, text: &str) -> Option<String> {
-    const QUOTES: [char; 6] = ['\u{201C}', '\u{201D}', '\u{201E}', '\u{2018}', '\u{2019}', '\u{201A}'];
+/// Hint on the first letter outside of ASCII that word processors, web pages and other systems put into code, with its
+/// line, if the compiler reports such letters.
+fn letter_hint(output: &str, text: &str) -> Option<String> {
     let is_stray = |line: &str| {
         line.contains("error: stray ")
             || line.contains("extended character")
             || line.contains("unexpected character <U+")
     };
-    let (index, line) =
-        text.lines().enumerate().find(|(_, line)| line.contains(QUOTES)).filter(|_| output.lines().any(is_stray))?;
-    let quote = line.chars().find(|letter| QUOTES.contains(letter))?;
-    let plain = if matches!(quote, '\u{2018}' | '\u{2019}' | '\u{201A}') { '\'' } else { '"' };
-    Some(format!(":{}: `{quote}` is a typographic quote: write `{plain}`", index + 1))
+    let advice = |letter: char| match letter {
+        '\u{201C}' | '\u{201D}' | '\u{201E}' => Some(format!("`{letter}` is a typographic quote: write `\"`")),
+        '\u{2018}' | '\u{2019}' | '\u{201A}' => Some(format!("`{letter}` is a typographic quote: write `'`")),
+        '\u{2212}' | '\u{2013}' | '\u{2014}' => Some(format!("`{letter}` is a typographic dash: write `-`")),
+        '\u{D7}' => Some(format!("`{letter}` is no operator: write `*`")),
+        '\u{B0}' => Some(format!("`{letter}` is no part of a number: leave it out")),
+        '\u{A0}' => Some("a blank of this line comes from a page or a word processor: type it again".to_owned()),
+        '\u{1A}' => Some("this line has the letter with which DOS ends a file: delete it".to_owned()),
+        char::REPLACEMENT_CHARACTER => Some("a letter of this line is not UTF-8: save the file as UTF-8".to_owned()),
+        _ => None,
+    };
+    let code = code_only(text);
+    let mut lines = code.lines().enumerate().filter(|_| output.lines().any(is_stray));
+    lines.find_map(|(index, line)| Some(format!(":{}: {}", index + 1, line.chars().find_map(advice)?)))
 }
 
 /// The header of eyesim with a name similar to `name`: capitals are ignored, and a quarter of the letters may differ.
@@ -178,6 +188,7 @@ pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Genera
     }
     linkage.values().for_each(|hint| push_line(&mut hints, hint));
     hints.insert_str(0, &beside);
+    hints.push_str(&doubly_defined_hints(output));
     if DOUBLE_MAIN.iter().any(|phrase| output.contains(phrase)) {
         let example = objects.first().and_then(|(source, _)| source.file_name()).unwrap_or_default();
         push_line(
@@ -187,6 +198,40 @@ pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Genera
                 example.display()
             ),
         );
+    }
+    hints
+}
+
+/// Hints on functions and variables that several files define, one line each (GNU ld, `LC_ALL=C`), except on `main`.
+fn doubly_defined_hints(output: &str) -> String {
+    let mut hints = String::new();
+    for line in output.lines() {
+        let Some((before, rest)) = line.split_once(": multiple definition of `") else { continue };
+        let Some((name, first)) = rest.split_once("'; ").filter(|(name, _)| *name != "main") else { continue };
+        // The linker names the object file before the place of a variable only.
+        let is_variable = before.contains(".o:");
+        let place = |text: &str| {
+            let (path, line) = text.rsplit_once(':')?;
+            let file = Path::new(path.rsplit(".o:").next()?).file_name()?;
+            line.parse::<u32>().is_ok().then(|| format!("{}:{line}", file.display()))
+        };
+        let Some((second, first)) = place(before).zip(first.strip_suffix(": first defined here").and_then(place)) else {
+            continue;
+        };
+        let hint = match (second == first, is_variable) {
+            (true, true) => format!(
+                "{first}: `{name}` is defined in every file that includes this header: write `extern` before it and no value after \
+                 it, and define it in one of the files"
+            ),
+            (true, false) => format!(
+                "{first}: `{name}` is defined in every file that includes this header: write `static` before it, or move it to one \
+                 of the files"
+            ),
+            (false, _) => format!(
+                "{second}: `{name}` is also defined in {first}: give one of them another name, or write `static` before both"
+            ),
+        };
+        push_line(&mut hints, &hint);
     }
     hints
 }
@@ -327,6 +372,11 @@ pub fn undeclared_constants(output: &str) -> Vec<String> {
         names.extend(quoted.map(str::to_owned).filter(|name| !names.contains(name)));
     }
     names
+}
+
+/// Returns true if a source in C++ may be refused only because its standard is C++17 or newer.
+pub fn is_refused_since_cpp17(output: &str) -> bool {
+    ["ISO C++17 does not allow", "is ambiguous"].iter().any(|phrase| output.contains(phrase))
 }
 
 /// Returns true if the compiler refuses a name of the program because it is already defined differently.
@@ -573,6 +623,31 @@ mod tests {
         assert!(!source_hints(output, "a.cpp", b"# include \"eyebot.h\"\n").contains("eyebot.h"));
         let other = "a.cpp:3:3: error: 'Plan' was not declared in this scope\n";
         assert!(!source_hints(other, "a.cpp", b"").contains("eyebot.h"));
+    }
+
+    #[test]
+    fn letters_of_other_systems_are_reported() {
+        let hint = |code: &str| letter_hint("a.c:1:9: error: stray '\\302' in program\n", code).unwrap_or_default();
+        assert_eq!(hint("VWTurn(90\u{B0}, 45); /* 90\u{B0} */"), ":1: `\u{B0}` is no part of a number: leave it out");
+        assert_eq!(hint("// \u{2212}\nx = \u{2212}5;"), ":2: `\u{2212}` is a typographic dash: write `-`");
+        assert_eq!(hint("int gr\u{FFFD};"), ":1: a letter of this line is not UTF-8: save the file as UTF-8");
+        assert_eq!(hint("}\n\u{1A}"), ":2: this line has the letter with which DOS ends a file: delete it");
+        assert_eq!(hint("\"90\u{B0}\" @"), "");
+    }
+
+    #[test]
+    fn functions_and_variables_of_several_files_are_reported() {
+        let output = "/usr/bin/ld: /t/1.o:/p/robot.h:1: multiple definition of `counter'; /t/0.o:/p/robot.h:1: first defined here\n\
+                      /usr/bin/ld: /t/1.o: in function `step':\n\
+                      /p/util.h:3: multiple definition of `step'; /t/0.o:/p/util.h:3: first defined here\n\
+                      /p/b.c:4: multiple definition of `turn'; /t/0.o:/p/a.c:9: first defined here\n\
+                      /p/b.c:7: multiple definition of `main'; /t/0.o:/p/a.c:8: first defined here\n";
+        let expected = "robot.h:1: `counter` is defined in every file that includes this header: write `extern` before it and no value after \
+                        it, and define it in one of the files\n\
+                        util.h:3: `step` is defined in every file that includes this header: write `static` before it, or move it to one \
+                        of the files\n\
+                        b.c:4: `turn` is also defined in a.c:9: give one of them another name, or write `static` before both\n";
+        assert_eq!(doubly_defined_hints(output), expected);
     }
 
     #[test]

@@ -294,6 +294,28 @@ fn a_function_of_c_that_is_declared_as_one_of_cpp_is_reported_with_its_file() {
 }
 
 #[test]
+fn a_pure_virtual_function_that_is_called_fails_the_robot_with_its_cause() {
+    let source = "#include \"eyebot.h\"\nclass Base { public: Base() { go(); } virtual void drive() = 0; void go() { drive(); } };\n\
+                  class Robot : public Base { public: void drive() { OSWait(1); } };\nint main() { Robot robot; return 0; }\n";
+    let (report, _) = run_cpp(source, 1, &[], 1);
+    assert!(reason(&report).contains("a pure virtual function (`= 0`) is called"), "{report:#}");
+}
+
+#[test]
+fn cpp_from_before_2017_still_compiles() {
+    let source = r#"
+        #include <iostream>
+        #include "eyebot.h"
+        using namespace std;
+        typedef unsigned char byte;
+        int data[3];
+        void check(int n) throw(int) { if (n > 5) throw n; }
+        int main() { register int i; byte b = 200; for (i = 0; i < 3; i++) data[i] = i; check(3); cout << data[2] + b << endl; OSWait(1); }"#;
+    let (_, ran) = run_cpp(source, 1, &[], 0);
+    assert_eq!(lines(&ran, 1), ["202"], "{ran:#?}");
+}
+
+#[test]
 fn cpp_of_its_time_still_compiles() {
     let source = r#"
         #include <iostream>

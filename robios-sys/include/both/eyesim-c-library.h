@@ -2,6 +2,7 @@
 #ifndef EYESIM_C_LIBRARY_H
 #define EYESIM_C_LIBRARY_H
 
+#include <assert.h>
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
