@@ -160,6 +160,18 @@ fn a_loop_that_waits_for_another_task_is_reported_with_what_to_do() {
 }
 
 #[test]
+fn an_endless_loop_after_the_end_of_the_input_names_the_file_that_was_not_opened() {
+    let scratch = Scratch::new();
+    let text = "#include <stdio.h>\nint main(void)\n{\n  FILE *map = fopen(\"map.txt\", \"r\");\n  getchar();\n  while (map == NULL)\n    ;\n  \
+                return 0;\n}\n";
+    scratch.write("mine.c", text);
+    write_scene(&scratch, &["mine.c"]);
+    let ran = scratch.eyesim(&["run", "scene.sim", "--timeout", "0.5"]);
+    let line = line_with(&ran.stderr, "endless loop");
+    assert!(line.contains("it has not opened a file before: there is no file `map.txt`"), "{ran:#?}");
+}
+
+#[test]
 fn a_program_without_a_call_gets_the_hint_that_its_robot_did_nothing() {
     let words = "has called no function of RoBIOS: its robot has done nothing";
     let (idle, code) = messages("int main(void) { return 0; }\n");

@@ -381,7 +381,8 @@ fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &Ro
                 .to_owned();
         }
         if robot.tasks.has_others() {
-            return "; other tasks run only during calls: put a call that waits into the loop, such as `OSWait(1)`".to_owned();
+            return "; other tasks run only during calls: put a call that waits into the loop, such as `OSWait(1)`"
+                .to_owned();
         }
         let empty =
             if is_in_empty_loop(failure, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
