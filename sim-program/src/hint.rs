@@ -215,7 +215,8 @@ fn doubly_defined_hints(output: &str) -> String {
             let file = Path::new(path.rsplit(".o:").next()?).file_name()?;
             line.parse::<u32>().is_ok().then(|| format!("{}:{line}", file.display()))
         };
-        let Some((second, first)) = place(before).zip(first.strip_suffix(": first defined here").and_then(place)) else {
+        let Some((second, first)) = place(before).zip(first.strip_suffix(": first defined here").and_then(place))
+        else {
             continue;
         };
         let hint = match (second == first, is_variable) {

@@ -9,7 +9,7 @@ use super::access::{Accesses, IndexedArray, accesses_of};
 use super::brace::unclosed_brace;
 use super::calls::calls_of;
 use super::code::{TYPES, begins_function, code_only, is_name};
-use super::language::Language;
+use super::language::{Language, without_txt};
 
 /// Maximum number of translated lines.
 const MAX_LINES: usize = 5;
@@ -40,6 +40,9 @@ struct Message<'a> {
 /// `source` is the name and the text of the source, which is searched for braces and declarations.
 pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     let lines: Vec<&str> = output.lines().collect();
+    if let Some(words) = constant_of_header(&lines) {
+        return words;
+    }
     let messages = messages(&lines, source);
     let first_error = messages.iter().find(|message| message.is_error);
     let mut translated: Vec<String> = Vec::new();
@@ -54,6 +57,25 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
         }
     }
     translated.concat()
+}
+
+/// Explains a first error in a header whose constant the program uses as a name or calls, as in `enum { RED, GREEN };`.
+fn constant_of_header(lines: &[&str]) -> Option<String> {
+    let first = lines.iter().position(|line| line.contains(" error: "))?;
+    let (place, text) = lines[first].split_once(": error: ")?;
+    let note = lines[first + 1..].iter().take(3).find(|line| line.contains(": note: in expansion of macro '"))?;
+    let mut parts = note.splitn(3, ':');
+    let (file, line, name) = (parts.next()?, parts.next()?, quoted(note, 0)?);
+    let header = Path::new(place.split(':').next()?);
+    let header_name = header.file_name()?.display();
+    let words = if ["expected identifier", "expected unqualified-id"].iter().any(|it| text.starts_with(it)) {
+        format!("`{name}` is a constant of `{header_name}`: give yours another name")
+    } else if text.contains("is not a function or function pointer") {
+        format!("`{name}` is a constant of `{header_name}`, not a function: leave `( )` out")
+    } else {
+        return None;
+    };
+    header.is_absolute().then(|| format!("{file}:{line}: {words}\n"))
 }
 
 /// Removes from the compiler's `output` three kinds of warnings that mostly concern intended code:
@@ -159,13 +181,16 @@ fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a
 /// Parses the first line of a message about the program, without its details; `None` for other lines. `scope` is the
 /// last line that names a function.
 fn parse<'a>(line: &'a str, scope: Option<&'a str>, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
-    let mut parts = line.splitn(4, ':');
-    let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let (file, rest) = line.split_once(':')?;
+    let (line, rest) = rest.split_once(':')?;
+    // `a.c:4: error: unterminated #if` has no column.
+    let (column, rest) = rest.split_once(':').filter(|(column, _)| is_number(column)).unwrap_or(("", rest));
+    let rest = rest.trim_start();
     let error_text = ["error: ", "fatal error: "].iter().find_map(|kind| rest.strip_prefix(kind));
     let text = error_text.or_else(|| rest.strip_prefix("warning: "))?;
     // Headers of the system and of the kit have absolute paths.
-    let is_of_program = is_number(line) && is_number(column) && !file.starts_with('/') && !file.starts_with(' ');
+    let is_of_program = is_number(line) && !file.starts_with('/') && !file.starts_with(' ');
     is_of_program.then(|| Message {
         is_in_function: scope.is_some_and(|line| line.contains(": In ")),
         function: scope.and_then(|line| quoted(line, 0)).unwrap_or_default(),
@@ -233,16 +258,34 @@ impl Message<'_> {
         if let Some(words) = python_list(code).filter(|_| is_syntax) {
             return Some(words);
         }
-        if lacks_name && comma.is_some_and(|(left, right)| has_digit(left, true) && has_digit(right, false)) {
-            return Some("a number has a decimal point, not a comma: `0.5`".to_owned());
-        }
-        if lacks_name
+        if (lacks_name || self.text.starts_with("structured binding"))
             && let Some((kind, rest)) =
                 code.split_once('[').filter(|(kind, _)| ["int", "double", "char"].contains(&kind.trim()))
             && let Some((size, name)) = rest.split_once(']')
         {
             let name = name.trim().split([';', '=', ' ']).next().unwrap_or_default();
             return Some(format!("write `[ ]` after the name: `{} {name}[{size}]`", kind.trim()));
+        }
+        if lacks_name && comma.is_some_and(|(left, right)| has_digit(left, true) && has_digit(right, false)) {
+            return Some("a number has a decimal point, not a comma: `0.5`".to_owned());
+        }
+        if self.is_error && self.ends_no_comment() {
+            return Some(
+                "`*/` ends no comment here: a comment cannot contain another one, and ends at the first `*/`"
+                    .to_owned(),
+            );
+        }
+        if is_syntax && self.has_split_condition(code) {
+            return Some("one pair of parentheses encloses the whole condition: `if ((a > 1) && (b < 2))`".to_owned());
+        }
+        if self.text.starts_with("expected identifier before")
+            && starts_with_word(code.trim_start_matches("typedef "), "enum")
+        {
+            let right = self.split_code()?.1;
+            let name = right.split(|letter| !is_name(letter)).next().filter(|name| !name.is_empty())?;
+            return Some(format!(
+                "`{name}` is already defined: give yours another name; `bool`, `true` and `false` need no definition"
+            ));
         }
         if is_syntax && self.found_token() == Some("-") && self.text.contains("'='") {
             return Some("a name cannot contain `-`: write `_`".to_owned());
@@ -297,8 +340,12 @@ impl Message<'_> {
         if self.text.contains("[-Wformat-security]") {
             return Some("`+` does not join a text and a number: write `\"distance %d\", d`".to_owned());
         }
-        let is_cpp_operator = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
-        if self.is_c() && (is_syntax && is_cpp_operator(self.found_token()) || is_cpp_operator(self.quoted(0))) {
+        let is_operator = |word: Option<&str>| {
+            word.is_some_and(|word| {
+                ["and", "or", "not"].contains(&word) && self.is_c() || ["AND", "OR", "NOT"].contains(&word)
+            })
+        };
+        if is_syntax && is_operator(self.found_token()) || is_operator(self.quoted(0)) {
             return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
         }
         if is_syntax && code.contains(if self.is_c() { "<>" } else { " <> " }) {
@@ -369,6 +416,36 @@ impl Message<'_> {
                 "the `else` has no `if`: look for a `;` after the `if (...)`, or a missing `{ }`",
             ),
             ("", "unterminated comment", "a comment begins and has no end: write `*/`"),
+            ("", "unterminated #", "this `#if` has no end: write `#endif` below the lines that belong to it"),
+            ("#e", "without #if", "no `#if` stands above this line: delete it"),
+            (
+                "used with no following hex digits",
+                "",
+                "`\\x` in a text begins the number of a letter: write `\\\\` for a backslash, or `/` between folders",
+            ),
+            ("", "invalid initializer", LIST_MISSING),
+            ("", "must be initialized with a brace-enclosed initializer", LIST_MISSING),
+            ("", "initializer fails to determine size", LIST_MISSING),
+            ("", "excess elements in array initializer", "there are more values than elements: make the array larger"),
+            ("", "duplicate case value", "two `case` of this `switch` have the same value: delete one of them"),
+            ("", "jump to case label", "a `case` that declares a variable needs `{ }` around its statements"),
+            ("", "case label does not reduce to", "`case` needs a fixed number: compare variables with `if (a == b)`"),
+            ("", "not within a switch", "`case` and `default` belong in a `switch`: is there a `}` too many above?"),
+            ("", "invalid suffix", NOT_A_NUMBER),
+            ("", "numeric literal operator", NOT_A_NUMBER),
+            ("", "too many decimal points", NOT_A_NUMBER),
+            ("size ", "is negative", "the length of an array is a positive number"),
+            (
+                "",
+                "variable-sized object may not be initialized",
+                "an array whose length is a variable has no first values: set its elements one by one, or give it a fixed length",
+            ),
+            ("", "array type has incomplete element type", ROW_LENGTH),
+            ("", "must have bounds for all dimensions", ROW_LENGTH),
+            ("", "two or more data types", "two types stand here: delete one of them, or a `;` is missing"),
+            ("expected statement before ')'", "", "there is a `)` too many"),
+            ("", "assignment of function", "a function is called with `( )`, and `==` compares, as in `VWDone() == 1`"),
+            ("", "expression cannot be used as a function", "this is a value, not a function: leave `( )` out"),
             (
                 "",
                 "suggest braces around empty body",
@@ -398,6 +475,48 @@ impl Message<'_> {
             return Some((*words).to_owned());
         }
         match self.text {
+            text if text.starts_with("expected 'while' before") => Some(if self.found_token() == Some("until") {
+                "C has no `until`: write `while (...)`, which repeats as long as its condition is true".to_owned()
+            } else {
+                "a `do` needs a `while (...);` at its end; a loop that begins with `while` has no `do`".to_owned()
+            }),
+            text if text.starts_with("the value of '") && self.code().is_some_and(|code| code.contains("case ")) => {
+                Some("`case` needs a fixed number: compare variables with `if (a == b)`".to_owned())
+            }
+            text if text.starts_with("assignment of read-only variable") => {
+                Some(format!("`{}` is `const`: leave `const` out where it is declared, if it changes", self.quoted(0)?))
+            }
+            text if text.starts_with("label '") && text.ends_with("used but not defined") => {
+                let name = self.quoted(0)?;
+                Some(format!("`goto {name}` needs a line `{name}:` in the same function"))
+            }
+            text if text.starts_with("reference to '") && text.ends_with("is ambiguous") => {
+                let name = self.quoted(0)?;
+                Some(format!("`{name}` is a name of the C++ library too, because of `using namespace std;`: give yours another name"))
+            }
+            text if text.starts_with("invalid preprocessing directive") => {
+                let word = text.rsplit('#').next()?;
+                let known = ["include", "define", "if", "ifdef", "ifndef", "else", "elif", "endif"];
+                let meant = known.into_iter().find(|known| strsim::osa_distance(known, &word.to_lowercase()) <= 1)?;
+                Some(format!("`#{word}` is not known: write `#{meant}`"))
+            }
+            text if text.starts_with("request for member '") && ["not a structure", "non-class type"].iter().any(|it| text.contains(it)) => {
+                Some(format!("what stands before `.{}` is a value without parts: check its type", self.quoted(0)?))
+            }
+            text if text.contains("will always evaluate as 'true'") => {
+                let name = self.quoted(0)?;
+                (self.code()?.contains(name) && !self.code()?.contains(&format!("&{name}")))
+                    .then(|| format!("`{name}` is not called: write `{name}()`"))
+            }
+            text if text.contains("called on unallocated object") => {
+                let name = self.quoted(1)?;
+                Some(format!("`{name}` does not come from `malloc`: leave this `free` out"))
+            }
+            text if text.starts_with("conflicting types for built-in function") => {
+                let name = self.quoted(0)?;
+                Some(format!("`{name}` is the name of a function of the C library: give yours another one"))
+            }
+            text if text.ends_with("' has not been declared") => self.parameter_without_type(),
             text if text.ends_with("directive argument is null [-Wformat-overflow=]") => {
                 Some(format!("the value for `{}` is NULL", self.quoted(0)?))
             }
@@ -548,7 +667,7 @@ impl Message<'_> {
                 let name = self.quoted(if text.contains("of pointer type") { 1 } else { 0 })?;
                 Some(format!("`{name}` is a pointer: write `{name}->` in place of `{name}.`"))
             }
-            text if text.contains("'->'") && (text.contains("non-pointer type") || text.contains("invalid type argument")) => {
+            text if text.contains("'->'") && (text.contains("non-pointer type") || text.contains("invalid type argument") || text.contains("is not a pointer")) => {
                 Some("what stands before `->` is not a pointer: write `.`".to_owned())
             }
             text if text.contains("statement with no effect") || text.contains("expression result unused") => {
@@ -811,6 +930,9 @@ impl Message<'_> {
         if let Some(kind) = kinds.iter().find(|kind| self.text.contains(&format!("use '{kind}' keyword"))) {
             return Some(format!("C wants the `{kind}` again: write `{kind} {name}`"));
         }
+        if let Some(words) = self.parameter_without_type().or_else(|| self.word_of_other_language(name)) {
+            return Some(words);
+        }
         if CPP_LIBRARY_NAMES.contains(&name) {
             return Some(if self.is_c() { not_a_c_type(name) } else { belongs_to_cpp(name) });
         }
@@ -831,13 +953,54 @@ impl Message<'_> {
         })
     }
 
+    /// Explains a name in a list of parameters that has no type of its own: `void f(int a, b)`.
+    fn parameter_without_type(&self) -> Option<String> {
+        let (left, right) = self.split_code()?;
+        let is_parameter =
+            left.trim_end().ends_with(',') && left.contains('(') && right.contains(')') && begins_function(left);
+        is_parameter.then(|| "each parameter has its own type, as in `void f(int a, int b)`".to_owned())
+    }
+
+    /// Explains a word of another language that the compiler takes for a name.
+    fn word_of_other_language(&self, name: &str) -> Option<String> {
+        Some(match name {
+            "then" => "C has no `then`: leave it out".to_owned(),
+            "var" | "let" => format!("C has no `{name}`: write the type in its place, such as `int`"),
+            "null" | "None" | "nil" => format!("`{name}` is not defined: write `NULL`"),
+            "String" if self.is_c() => "C has no type `String`: a text is a `const char *`".to_owned(),
+            "String" => "`String` is not a type: write `std::string`, with `#include <string>`".to_owned(),
+            "import" => "C has no `import`: write `#include \"eyebot.h\"`".to_owned(),
+            "using" | "namespace" | "template" | "std" | "cout" | "cin" | "try" if self.is_c() => {
+                let name_as_cpp = without_txt(Path::new(self.file)).with_extension("cpp");
+                format!("`{name}` belongs to C++: name the file `{}`, and in the scene too", name_as_cpp.display())
+            }
+            _ => return None,
+        })
+    }
+
+    /// Returns true if the line contains a `*/` that ends no comment.
+    fn ends_no_comment(&self) -> bool {
+        let line = self.line.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        line.is_some_and(|line| code_only(self.source).lines().nth(line).is_some_and(|code| code.contains("*/")))
+    }
+
+    /// Returns true if `&&` or `||` follows the parentheses of a condition: `if (a) && (b)`.
+    fn has_split_condition(&self, code: &str) -> bool {
+        let start = without_closing_braces(code);
+        let clause = ["if", "while"]
+            .into_iter()
+            .find_map(|word| code.find(&format!("{word} (")).or_else(|| code.find(&format!("{word}("))));
+        let rest = clause.and_then(|offset| behind_parentheses(&code[offset..])).or_else(|| behind_parentheses(start));
+        rest.is_some_and(|rest| ["&&", "||"].iter().any(|operator| rest.trim_start().starts_with(operator)))
+    }
+
     /// Explains a line that begins with a misspelt keyword: `whlie (x)`.
     fn misspelt_first_word(&self) -> Option<String> {
-        let code = self.code()?.trim_start();
+        let code = without_closing_braces(self.code()?);
         let word = code.split(|c| !is_name(c)).next()?;
         // A word that occurs more than once is a name of the program.
         let count = self.source.split(|c| !is_name(c)).filter(|other| *other == word).count();
-        misspelt_keyword(word).filter(|_| count <= 1)
+        misspelt_keyword(word).filter(|_| count <= 1 || ELSE_IF.contains(&word))
     }
 
     /// Explains a missing punctuation mark, `mark`; the message's column is after the last word before the mark.
@@ -904,11 +1067,10 @@ impl Message<'_> {
                 "`{name}` is not defined: a text is written between quotes, as in `LCDPrintf(\"{text}\")`"
             ));
         }
-        if let Some(words) = self.split_name(name) {
+        if let Some(words) = self.word_of_other_language(name).or_else(|| self.split_name(name)) {
             return Some(words);
         }
         Some(match self.suggestion() {
-            _ if name == "then" => "C has no `then`: leave it out".to_owned(),
             Some(suggestion) => format!("`{name}` is not defined; did you mean `{suggestion}`?"),
             None if misspelt_keyword(name).is_some() => misspelt_keyword(name)?,
             None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => self.unknown_function(name),
@@ -990,6 +1152,14 @@ impl Message<'_> {
             Some((line, _)) => {
                 format!("`{name}` is defined below, in line {line}: move it above the function that calls it")
             }
+            None if name == "gets" => {
+                "`gets` has been removed from C, as it writes beyond its array: write `fgets(text, sizeof text, stdin)`"
+                    .to_owned()
+            }
+            None if self.details.iter().any(|line| line.contains(": note: include '<")) => {
+                let header = self.details.iter().find_map(|line| quoted(line.split_once(": note: include ")?.1, 0));
+                format!("`{name}` is not known: write `#include {}` as the first line", header.unwrap_or_default())
+            }
             None => {
                 format!("`{name}` is not known: check the spelling, or define the function above the one that calls it")
             }
@@ -1033,7 +1203,10 @@ impl Message<'_> {
         let is_call = |code: &str| self.details.first().is_some_and(|call| call.contains(code));
         let is_declaration = |code: &String| code.ends_with(");") && code.contains(&beginning) && !is_call(code);
         let declared = self.details.iter().filter_map(excerpt_code).find(is_declaration);
-        declared.map_or_else(String::new, |code| format!(": `{}`", code.trim_end_matches(';')))
+        declared.map_or_else(String::new, |code| {
+            let prototype = code.split(" EYESIM_").next().unwrap_or(&code).trim_end_matches(';');
+            format!(": `{prototype}`")
+        })
     }
 
     /// Explains a text or an index beyond its array. The messages of gcc contain sizes in bytes, its notes the array.
@@ -1359,12 +1532,17 @@ pub fn is_empty_clause(code: &str) -> bool {
     let code = code_only(code);
     let code = code.trim();
     let is_clause = ["while", "for", "if"].iter().any(|word| starts_with_word(code, word));
+    is_clause && behind_parentheses(code).is_some_and(|rest| rest.trim() == ";")
+}
+
+/// What follows the first pair of parentheses in `code`.
+fn behind_parentheses(code: &str) -> Option<&str> {
     let mut depth = 0_i32;
     let end = code.find(|letter| {
         depth += i32::from(letter == '(') - i32::from(letter == ')');
         letter == ')' && depth == 0
-    });
-    is_clause && end.is_some_and(|end| code[end + 1..].trim() == ";")
+    })?;
+    code.get(end + 1..)
 }
 
 /// Explains a line with an odd number of quotes.
@@ -1412,9 +1590,12 @@ fn similar_keyword(word: &str) -> Option<&'static str> {
         .filter(|keyword| *keyword != word && (word.len() > 2 || is_other_case(keyword)))
 }
 
+/// Words of other languages for `else if`.
+const ELSE_IF: [&str; 3] = ["elseif", "elsif", "elif"];
+
 /// Explains a misspelt keyword; `None` for other words.
 fn misspelt_keyword(word: &str) -> Option<String> {
-    if ["elseif", "elsif", "elif"].contains(&word) {
+    if ELSE_IF.contains(&word) {
         return Some(format!("`{word}` is not defined: write `else if`"));
     }
     similar_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
@@ -1560,6 +1741,13 @@ const ARRAY_ASSIGNED: &str = "an array cannot be set with `=`: `strcpy(array, \"
 
 const LIST_ASSIGNED: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
 
+const LIST_MISSING: &str = "an array begins with values between `{ }`, as in `int d[] = {1, 2, 3};`, or with a text between `\"`: set other values one by one, as \
+     in `d[0] = 1;`";
+
+const NOT_A_NUMBER: &str = "a number has only digits and one `.`, a name begins with a letter, and `*` multiplies";
+
+const ROW_LENGTH: &str = "only the first `[ ]` may be empty: write the length into the others, as in `int d[][2]`";
+
 const OUTSIDE_FUNCTIONS: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it should be within a \
                        function, such as `main`";
 
@@ -1674,6 +1862,142 @@ mod tests {
                 &format!("mine.c:7: {words}\n"),
             );
         }
+    }
+
+    #[test]
+    fn mistakes_of_syntax_and_words_of_other_languages_are_explained() {
+        // The compiler's message at a column, the line of the program, and the words.
+        let mistakes = [
+            (
+                3,
+                "expected identifier before '(' token",
+                "if (d > 5) && (d < 9) stop();",
+                "one pair of parentheses encloses the whole condition: `if ((a > 1) && (b < 2))`",
+            ),
+            (
+                11,
+                "expected ')' before 'AND'",
+                "if (d > 5 AND d < 9) stop();",
+                "C writes `&&` for `and`, `||` for `or` and `!` for `not`",
+            ),
+            (
+                12,
+                "'then' undeclared (first use in this function)",
+                "if (d > 5) then stop();",
+                "C has no `then`: leave it out",
+            ),
+            (16, "expected ';' before '{' token", "} elif (d < 3) {", "`elif` is not defined: write `else if`"),
+            (
+                4,
+                "expected identifier or '(' before '[' token",
+                "int[] a = {1,2,3};",
+                "write `[ ]` after the name: `int a[]`",
+            ),
+            (13, "invalid initializer", "int a[4] = f(1);", LIST_MISSING),
+            (
+                14,
+                "unknown type name 'b'",
+                "void f(int a, b) {",
+                "each parameter has its own type, as in `void f(int a, int b)`",
+            ),
+            (
+                14,
+                "'b' has not been declared",
+                "void f(int a, b) {",
+                "each parameter has its own type, as in `void f(int a, int b)`",
+            ),
+            (1, "unknown type name 'var'", "var x = 5;", "C has no `var`: write the type in its place, such as `int`"),
+            (
+                9,
+                "'null' undeclared (first use in this function)",
+                "int *p = null;",
+                "`null` is not defined: write `NULL`",
+            ),
+            (
+                1,
+                "unknown type name 'using'",
+                "using namespace std;",
+                "`using` belongs to C++: name the file `a.cpp`, and in the scene too",
+            ),
+            (
+                15,
+                "expected identifier before numeric constant",
+                "typedef enum { false, true } bool;",
+                "`false` is already defined: give yours another name; `bool`, `true` and `false` need no definition",
+            ),
+            (
+                18,
+                "expected 'while' before 'until'",
+                "do { stop(); } until (d > 5);",
+                "C has no `until`: write `while (...)`, which repeats as long as its condition is true",
+            ),
+            (7, "invalid preprocessing directive #DEFINE", "#DEFINE X 5", "`#DEFINE` is not known: write `#define`"),
+            (
+                5,
+                "the address of 'VWDone' will always evaluate as 'true' [-Waddress]",
+                "if (VWDone) stop();",
+                "`VWDone` is not called: write `VWDone()`",
+            ),
+            (
+                1,
+                "implicit declaration of function 'gets'; did you mean 'fgets'?",
+                "gets(name);",
+                "`gets` has been removed from C, as it writes beyond its array: write `fgets(text, sizeof text, stdin)`",
+            ),
+            (
+                6,
+                "conflicting types for built-in function 'log'; expected 'double(double)'",
+                "void log(char *text);",
+                "`log` is the name of a function of the C library: give yours another one",
+            ),
+            (
+                1,
+                "reference to 'left' is ambiguous",
+                "left = 5;",
+                "`left` is a name of the C++ library too, because of `using namespace std;`: give yours another name",
+            ),
+        ];
+        for (column, message, code, words) in mistakes {
+            let caret = " ".repeat(column - 1);
+            let output = format!(
+                "a.c: In function 'main':\na.c:1:{column}: error: {message}\n    1 | {code}\n      | {caret}^~~\n"
+            );
+            assert_eq!(in_plain_words(&output, ("a.c", code)), format!("a.c:1: {words}\n"), "{output}");
+        }
+    }
+
+    #[test]
+    fn an_error_without_a_column_is_translated() {
+        check(
+            "a.c:4: error: unterminated #if\n    4 | #if SIM\n",
+            "a.c:4: this `#if` has no end: write `#endif` below the lines that belong to it\n",
+        );
+    }
+
+    #[test]
+    fn constants_of_the_header_cannot_be_names_or_functions() {
+        let output = |error: &str, name: &str| {
+            format!(
+                "In file included from a.c:1:\n/kit/eyebot.h:24:27: error: {error}\n   24 | #define RED 0xFF0000\n      |             ^~~~\n\
+                 a.c:2:13: note: in expansion of macro '{name}'\n"
+            )
+        };
+        check(
+            &output("expected identifier before numeric constant", "RED"),
+            "a.c:2: `RED` is a constant of `eyebot.h`: give yours another name\n",
+        );
+        check(
+            &output("called object is not a function or function pointer", "PSD_FRONT"),
+            "a.c:2: `PSD_FRONT` is a constant of `eyebot.h`, not a function: leave `( )` out\n",
+        );
+    }
+
+    #[test]
+    fn a_comment_in_a_comment_is_reported() {
+        let code = "/* a /* b */ c */ stop();";
+        let output = format!("a.c:1:14: error: unknown type name 'c'\n    1 | {code}\n      |              ^\n");
+        let words = "`*/` ends no comment here: a comment cannot contain another one, and ends at the first `*/`";
+        assert_eq!(in_plain_words(&output, ("a.c", code)), format!("a.c:1: {words}\n"));
     }
 
     #[test]
