@@ -341,7 +341,7 @@ WEAK int MTInit(void) { return 0; }
 WEAK int MTSleep(int n)
 {
     int32_t result = 0;
-    ROBIOS(OSWait, n > INT32_MAX / 10 ? INT32_MAX : 10 * n, &result);
+    ROBIOS(OSWait, n > INT32_MAX / 10 ? INT32_MAX : n > 0 ? 10 * n : 0, &result);
     return result;
 }
 
@@ -376,9 +376,9 @@ WEAK TASK MTSpawn(void *(*fct)(void *), int id)
 WEAK int MTGetUID(TASK t) { return t.identifier; }
 WEAK int MTKill(TASK t) { return pthread_cancel(t.thread) == 0 ? 0 : 1; }
 WEAK int MTExit(void) { pthread_exit(NULL); }
-WEAK int SEMAInit(SEMA *sem, int val) { return val >= 0 && sem_init(sem, 0, (unsigned)val) == 0 ? 0 : 1; }
-WEAK int SEMALock(SEMA *sem) { return sem_wait(sem) == 0 ? 0 : 1; }
-WEAK int SEMAUnlock(SEMA *sem) { return sem_post(sem) == 0 ? 0 : 1; }
+WEAK int SEMAInit(SEMA *sem, int val) { return sem && val >= 0 && sem_init(sem, 0, (unsigned)val) == 0 ? 0 : 1; }
+WEAK int SEMALock(SEMA *sem) { return sem && sem_wait(sem) == 0 ? 0 : 1; }
+WEAK int SEMAUnlock(SEMA *sem) { return sem && sem_post(sem) == 0 ? 0 : 1; }
 
 /* ---- SER, AU ---- */
 
