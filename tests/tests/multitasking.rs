@@ -518,15 +518,18 @@ int main(void)
     assert_eq!(lines, ["tick 5", "tick 10", "woken 15", "tick 15", "4"]);
     let blocks = |what: &str| {
         let program = "
+#include <unistd.h>
 static struct sem none;
-static void tick(void) { WHAT; }
+static void tick(void) { WHAT; none.count++; }
 int main(void) { OSMTInit(COOP); OSSemInit(&none, 0); OSAttachTimer(1, tick); OSSleep(100); return 0; }
 ";
         reason_of(&program.replace("WHAT", what))
     };
-    assert_eq!(blocks("OSSemP(&none)"), "`OSSemP` would wait inside a timer callback");
-    assert_eq!(blocks("OSSleep(1)"), "`OSSleep` would wait inside a timer callback");
-    assert_eq!(blocks("OSYield()"), "`OSYield` would wait inside a timer callback");
+    assert_eq!(blocks("OSSemP(&none)"), "`OSSemP` would wait inside a timer callback at prog.c:6");
+    assert_eq!(blocks("OSSleep(1)"), "`OSSleep` would wait inside a timer callback at prog.c:6");
+    assert_eq!(blocks("OSYield()"), "`OSYield` would wait inside a timer callback at prog.c:6");
+    assert_eq!(blocks("usleep(1000)"), "a function of the C library would wait inside a timer callback");
+    assert_eq!(blocks("OSKill(0)"), "a timer's function would end `main`, which it interrupts at prog.c:6");
 }
 
 #[test]

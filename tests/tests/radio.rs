@@ -209,7 +209,7 @@ fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
         int main(void) { RADIOInit(); OSAttachTimer(1, tick); OSWait(100); return 0; }";
     scratch.write("receiver.c", in_callback);
     traced(&scratch, &[], 1);
-    assert_eq!(reasons(&scratch)[1], "`RADIORecv` would wait inside a timer callback");
+    assert_eq!(reasons(&scratch)[1], "`RADIORecv` would wait inside a timer callback at receiver.c:3");
 }
 
 #[test]

@@ -105,13 +105,16 @@ impl Flow for RobotFlow {
         self.run.call_site(self.id)
     }
 
+    fn location_of(&self, site: &Site) -> Option<String> {
+        self.run.program(self.id)?.location_of(site)
+    }
+
     fn line_of(&self, stack: &[usize]) -> Option<String> {
         program_status::line_of_stack(stack, self.run.program(self.id)?)
     }
 
     fn note_hint(&self, text: &str, site: &Site) {
-        let location = self.run.program(self.id).and_then(|program| program.location_of(site));
-        location.into_iter().for_each(|location| self.run.hint_locations.note(self.id, text, location));
+        self.location_of(site).into_iter().for_each(|location| self.run.hint_locations.note(self.id, text, location));
     }
 
     fn waits_of(&self, robot: &Robot) -> String {

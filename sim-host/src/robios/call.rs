@@ -23,6 +23,14 @@ impl Call {
         }
     }
 
+    /// Description of the function that the program calls, for messages. Programs call services through the C library.
+    pub fn description(self) -> String {
+        match self {
+            Self::Support(_) => "a function of the C library".to_owned(),
+            call => format!("`{}`", call.name()),
+        }
+    }
+
     /// Number of the function among those of both RoBIOS generations; `None` for a service.
     #[inline]
     pub fn robios_number(self) -> Option<u16> {

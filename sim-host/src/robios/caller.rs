@@ -176,7 +176,7 @@ impl<F: Flow> Caller<F> {
             return Ok((robot, None));
         };
         if robot.timers.in_callback {
-            return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
+            return Err(self.fail_in_callback(robot, (call, site)));
         }
         // Virtual time advances by at least 1 us; otherwise a condition whose time has passed is polled forever.
         let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
@@ -333,6 +333,17 @@ impl<F: Flow> Caller<F> {
             let site = site.cloned().unwrap_or_else(|| self.flow.call_site());
             std::mem::take(&mut robot.new_hints).iter().for_each(|text| self.flow.note_hint(text, &site));
         }
+    }
+
+    /// Fails the program: `call`, made at `site`, would wait inside a timer callback.
+    pub(super) fn fail_in_callback(&self, robot: MutexGuard<'_, Robot>, (call, site): (Call, &Site)) -> Stop {
+        let place = self.place_of(site);
+        self.fail(robot, format!("{} would wait inside a timer callback{place}", call.description()))
+    }
+
+    /// The place of `site` in the program, for the end of a message: ` at maze.c:88`, or nothing if it is not known.
+    pub(super) fn place_of(&self, site: &Site) -> String {
+        self.flow.location_of(site).map(|line| format!(" at {line}")).unwrap_or_default()
     }
 
     /// Ends the robot's program as failed, for a reason that is shown to the user.

@@ -77,6 +77,9 @@ pub trait Flow: Send + Sync + 'static {
     /// Location in the program of the call in progress.
     fn call_site(&self) -> Site;
 
+    /// The line of the program at `site`, such as `maze.c:88`, if known.
+    fn location_of(&self, site: &Site) -> Option<String>;
+
     /// The innermost line of the program in a call stack, given as return addresses, the innermost first.
     fn line_of(&self, stack: &[usize]) -> Option<String>;
 

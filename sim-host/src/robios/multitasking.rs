@@ -126,11 +126,12 @@ impl<F: Flow> Caller<F> {
                 Ok(number) => number,
                 Err(answer) => return Ok(answer),
             };
-            if number == MAIN {
+            let is_caller = number == robot.tasks.current().number;
+            if number == MAIN && !(is_caller && robot.timers.in_callback) {
                 robot.ending.get_or_insert(Ending::Exited { code: 0 });
                 return Err(Stop);
             }
-            if number == robot.tasks.current().number {
+            if is_caller {
                 return caller.end_task(robot).map(|()| 0);
             }
             if robot.tasks.find(number.cast_signed()).is_some_and(Task::is_unwinding) {
@@ -163,7 +164,9 @@ impl<F: Flow> Caller<F> {
             return Ok(());
         }
         if robot.timers.in_callback {
-            return Err(self.fail(robot, "a timer's function would end the task that it interrupts".to_owned()));
+            let name = robot.tasks.name(robot.tasks.current().number);
+            let place = self.place_of(&self.flow().call_site());
+            return Err(self.fail(robot, format!("a timer's function would end {name}, which it interrupts{place}")));
         }
         let (now, number) = (robot.now, robot.tasks.current().number);
         robot.tasks.kill(now, number);
@@ -204,9 +207,7 @@ impl<F: Flow> Caller<F> {
             caller.note_hints(&mut robot, Some(&site));
             match answer {
                 Answer::Returned(answer) => caller.take_turns(robot, call).map(|()| answer),
-                Answer::Suspended if robot.timers.in_callback => {
-                    Err(caller.fail(robot, format!("`{}` would wait inside a timer callback", call.name())))
-                }
+                Answer::Suspended if robot.timers.in_callback => Err(caller.fail_in_callback(robot, (call, &site))),
                 Answer::Suspended if robot.tasks.current().is_unwinding() => Err(caller.fail_in_unwinding(robot, call)),
                 Answer::Suspended => {
                     let (now, number) = (robot.now, robot.tasks.current().number);
@@ -223,11 +224,7 @@ impl<F: Flow> Caller<F> {
     /// Fails the program: a killed task waits before it has ended.
     pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: call::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
-        let waiting_in = match call {
-            call::Call::Support(_) => "a function of the C library".to_owned(),
-            call => format!("`{}`", call.name()),
-        };
-        self.fail(robot, format!("{name} was killed and would wait in {waiting_in} before it has ended"))
+        self.fail(robot, format!("{name} was killed and would wait in {} before it has ended", call.description()))
     }
 
     /// Fails the program: none of its tasks can continue.
