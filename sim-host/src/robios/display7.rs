@@ -54,7 +54,7 @@ fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     if (0..rows).contains(&row) && (0..columns).contains(&column) {
         return;
     }
-    if robot.robios.hints.is_first_failure(call.into()) {
+    if robot.robios.hints.is_first_reason(call.into()) {
         let name = call.name();
         robot.hint(&format!(
             "`{name}`: the display has {rows} rows and {columns} columns, none at ({row}, {column}); `[lcd]` of the \

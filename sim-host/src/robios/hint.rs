@@ -1,6 +1,6 @@
 //! Hints about likely mistakes in a program, each given at most once per robot.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::call::Call;
 
@@ -42,6 +42,8 @@ pub enum Mistake {
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,
+    /// A handle that is not open, in a call of the family that this function initialises.
+    NotOpen(&'static str),
     /// An error code that the program ignores.
     IgnoredFailure,
 }
@@ -53,6 +55,8 @@ const SMALL_TURNS: u32 = 3;
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     reported: Vec<Mistake>,
+    /// Functions whose first failure with a reason has been reported.
+    explained: BTreeSet<Call>,
     failures: BTreeMap<Call, u32>,
     turns: Turns,
 }
@@ -93,9 +97,14 @@ impl Hints {
         self.turns.has_driven = true;
     }
 
-    /// Returns true if `call` has not failed yet.
-    pub fn is_first_failure(&self, call: Call) -> bool {
-        !self.failures.contains_key(&call)
+    /// Returns true at the first failure of `call` that has a reason.
+    pub fn is_first_reason(&mut self, call: Call) -> bool {
+        self.explained.insert(call)
+    }
+
+    /// Returns true if `call` has failed.
+    pub fn has_failed(&self, call: Call) -> bool {
+        self.failures.contains_key(&call)
     }
 
     /// Counts a failure of `call`; returns the text of the hint when one is due.
@@ -146,6 +155,7 @@ impl Mistake {
             Self::Unopened => "a file cannot be opened",
             Self::MissingWait => "a drive replaces the one before, which has just begun",
             Self::UnknownAddress => "a message to an address that no robot has",
+            Self::NotOpen(_) => "a handle that is not open",
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",
         }
     }

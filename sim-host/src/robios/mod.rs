@@ -73,8 +73,8 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::sync::Arc;
 
-use robios_sys::Robios7Call as Call7;
 use robios_sys::robios6::semantics::SEMANTICS;
+use robios_sys::{Robios6Call as Call6, Robios7Call as Call7};
 use sim_core::drive::{Command, CommandError};
 use sim_core::record::Event;
 use sim_core::spec::{Dialect, RobiSpec};
@@ -207,9 +207,20 @@ impl Robot {
     /// per function.
     fn refuse_call(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
         let call = call.into();
-        if self.robios.hints.is_first_failure(call) {
+        if self.robios.hints.is_first_reason(call) {
             let text = format!("`{}` returned {answer}: {}", call.name(), reason(self));
             self.hint(&text);
+        }
+        self.fail_call(call, answer)
+    }
+
+    /// Fails a call with a handle that is not open. Unless `init`, the function that opens it, has failed and given the
+    /// reason, a hint says so, once for each `init`.
+    fn refuse_handle(&mut self, call: Call6, answer: i32, handle: i32, init: Call6) -> i32 {
+        if !self.robios.hints.has_failed(init.into()) {
+            let (name, init) = (call.name(), init.name());
+            let text = format!("`{name}`: handle {handle} is not open: pass the one that `{init}` returns");
+            self.hint_once(Mistake::NotOpen(init), &text);
         }
         self.fail_call(call, answer)
     }
@@ -222,7 +233,7 @@ impl Robot {
     /// Counts a call that does nothing as a failure; a hint gives the reason, once per function.
     fn skip_call(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
         let call = call.into();
-        if self.robios.hints.is_first_failure(call) {
+        if self.robios.hints.is_first_reason(call) {
             let text = format!("`{}` did nothing: {}", call.name(), reason(self));
             self.hint(&text);
         }
@@ -258,7 +269,7 @@ impl Robot {
     /// function.
     fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
         let found = self.robios.table.numbered(kind, number, names).map(|device| device.index);
-        if found.is_none() && self.robios.hints.is_first_failure(call.into()) {
+        if found.is_none() && self.robios.hints.is_first_reason(call.into()) {
             let table = &self.robios.table;
             let numbers: Vec<_> = (1..=table::MAX_NUMBER)
                 .filter_map(|number| Some(format!("{number} ({})", table.numbered(kind, number, names)?.name)))

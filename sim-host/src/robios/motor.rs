@@ -36,7 +36,9 @@ pub fn release(robot: &mut Robot, world: &World, handles: i32) -> i32 {
 
 /// `MOTORDrive`
 pub fn drive(robot: &mut Robot, world: &World, handles: i32, percent: i32) -> i32 {
-    let Some(motors) = robot.robios.motors.devices(handles) else { return robot.fail_call(Call::MOTORDrive, -1) };
+    let Some(motors) = robot.robios.motors.devices(handles) else {
+        return robot.refuse_handle(Call::MOTORDrive, -1, handles, Call::MOTORInit);
+    };
     set(robot, world, motors, percent.clamp(-100, 100));
     0
 }
@@ -73,7 +75,9 @@ pub fn quad_reset(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `QUADRead`
 pub fn quad_read(robot: &mut Robot, handle: i32) -> i32 {
-    let Some(index) = robot.robios.quads.device(handle) else { return robot.fail_call(Call::QUADRead, 0) };
+    let Some(index) = robot.robios.quads.device(handle) else {
+        return robot.refuse_handle(Call::QUADRead, 0, handle, Call::QUADInit);
+    };
     count(robot, index)
 }
 
@@ -103,7 +107,7 @@ pub fn quad_motor(robot: &mut Robot, semantics: i32) -> i32 {
 /// `QUADODORead`
 pub fn odometer_read(robot: &mut Robot, handle: i32) -> f32 {
     let Some(index) = robot.robios.quads.device(handle) else {
-        robot.fail_call(Call::QUADODORead, 0);
+        robot.refuse_handle(Call::QUADODORead, 0, handle, Call::QUADInit);
         return 0.0;
     };
     let simulation::Robot { now, motion, devices, .. } = &mut robot.state;

@@ -125,6 +125,50 @@ fn ready<R>(poll: Poll<R>) -> R {
 }
 
 #[test]
+fn a_handle_that_is_not_open_gives_one_hint_unless_its_init_has_given_the_reason() {
+    let mut bench = Bench::rover();
+    let Bench { robot, world } = &mut bench;
+    assert_eq!(vw::drive_straight(robot, world, 0, 1.0, 0.5), -1);
+    assert_eq!(ready(vw::drive_wait(robot, 0)), -1);
+    assert_eq!(motor::drive(robot, world, 3, 50), -1);
+    assert_eq!(
+        robot.new_hints,
+        [
+            "`VWDriveStraight`: handle 0 is not open: pass the one that `VWInit` returns",
+            "`MOTORDrive`: handle 3 is not open: pass the one that `MOTORInit` returns"
+        ]
+    );
+    robot.new_hints.clear();
+    assert_eq!(motor::quad_init(robot, MOTOR_LEFT), 0);
+    assert_eq!(motor::quad_read(robot, 0), 0);
+    assert_eq!(robot.new_hints.len(), 1, "{:?}", robot.new_hints);
+}
+
+#[test]
+fn a_failure_without_a_reason_does_not_suppress_the_hint_of_a_later_one() {
+    let robot = &mut Bench::rover().robot;
+    assert_eq!(audio::play_sample_7(robot, None), 1);
+    assert_eq!(robot.new_hints.len(), 0);
+    for _ in 0..2 {
+        assert_eq!(audio::play_sample_7(robot, Some(b"missing.wav")), 1);
+        assert_eq!(robot.new_hints.len(), 1, "{:?}", robot.new_hints);
+    }
+}
+
+#[test]
+fn a_heading_that_is_too_large_is_refused() {
+    let mut bench = Bench::rover();
+    let handle = bench.open_vw();
+    let robot = &mut bench.robot;
+    for phi in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
+        assert_eq!(vw::set_position(robot, handle, 0.0, 0.0, phi), -1, "{phi}");
+    }
+    assert_eq!(robot.new_hints.len(), 1, "{:?}", robot.new_hints);
+    assert_eq!(vw::set_position(robot, handle, 0.0, 0.0, 1e9), 0);
+    assert!((vw::odometry(robot).heading.remainder() - 0.577).abs() < 0.001, "1e9 rad is 0.577 rad");
+}
+
+#[test]
 fn layers_use_the_odometry_frame_that_the_program_has_set() {
     let mut bench = Bench::rover();
     let frame = |bench: &mut Bench| {

@@ -61,7 +61,7 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
 /// `VWRelease`
 pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWRelease, -1);
+        return robot.refuse_handle(Call::VWRelease, -1, handle, Call::VWInit);
     }
     robot.tasks.recheck_drive(robot.state.now);
     robot.halt(world);
@@ -74,7 +74,7 @@ pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
 pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f32) -> i32 {
     let (v, omega) = (f64::from(v), f64::from(omega));
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWSetSpeed, -1);
+        return robot.refuse_handle(Call::VWSetSpeed, -1, handle, Call::VWInit);
     }
     let outcome = set_twist(robot, world, v, omega);
     robot.answer_call(Call::VWSetSpeed, -1, outcome)
@@ -82,7 +82,10 @@ pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f
 
 /// `VWGetSpeed`
 pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 {
-    if !is_handle(robot, handle) || speed.is_null() {
+    if !is_handle(robot, handle) {
+        return robot.refuse_handle(Call::VWGetSpeed, -1, handle, Call::VWInit);
+    }
+    if speed.is_null() {
         return robot.fail_call(Call::VWGetSpeed, -1);
     }
     let twist = twist(robot);
@@ -93,8 +96,8 @@ pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 
 /// `VWSetPosition`
 pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) -> i32 {
     let [x, y, phi] = [x, y, phi].map(f64::from);
-    if !is_handle(robot, handle) || !phi.is_finite() {
-        return robot.fail_call(Call::VWSetPosition, -1);
+    if !is_handle(robot, handle) {
+        return robot.refuse_handle(Call::VWSetPosition, -1, handle, Call::VWInit);
     }
     let outcome = set_odometry(robot, [x, y, phi]);
     robot.answer_call(Call::VWSetPosition, -1, outcome)
@@ -102,7 +105,10 @@ pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) ->
 
 /// `VWGetPosition`: the heading is within [-pi, pi).
 pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>) -> i32 {
-    if !is_handle(robot, handle) || position.is_null() {
+    if !is_handle(robot, handle) {
+        return robot.refuse_handle(Call::VWGetPosition, -1, handle, Call::VWInit);
+    }
+    if position.is_null() {
         return robot.fail_call(Call::VWGetPosition, -1);
     }
     let pose = odometry(robot);
@@ -114,7 +120,7 @@ pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>
 /// `VWStartControl`
 pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4]) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWStartControl, -1);
+        return robot.refuse_handle(Call::VWStartControl, -1, handle, Call::VWInit);
     }
     let outcome = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
     robot.answer_call(Call::VWStartControl, -1, outcome)
@@ -123,7 +129,7 @@ pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4])
 /// `VWStopControl`
 pub fn stop_control(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWStopControl, -1);
+        return robot.refuse_handle(Call::VWStopControl, -1, handle, Call::VWInit);
     }
     clear_gains(robot);
     0
@@ -170,7 +176,7 @@ pub fn drive_curve(robot: &mut Robot, world: &World, handle: i32, [distance, ang
 /// `VWDriveRemain`
 pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
     if !is_handle(robot, handle) {
-        robot.fail_call(Call::VWDriveRemain, 0);
+        robot.refuse_handle(Call::VWDriveRemain, 0, handle, Call::VWInit);
         return 0.0;
     }
     robot.state.motion.drive_remaining(robot.state.now) as f32
@@ -179,7 +185,7 @@ pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
 /// `VWDriveDone`
 pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWDriveDone, -1);
+        return robot.refuse_handle(Call::VWDriveDone, -1, handle, Call::VWInit);
     }
     i32::from(robot.state.motion.is_drive_done(robot.state.now))
 }
@@ -187,7 +193,7 @@ pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
 /// `VWDriveWait`
 pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
     if !is_handle(robot, handle) {
-        return Poll::Ready(robot.fail_call(Call::VWDriveWait, -1));
+        return Poll::Ready(robot.refuse_handle(Call::VWDriveWait, -1, handle, Call::VWInit));
     }
     wait_for_drive(robot)
 }
@@ -195,7 +201,7 @@ pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
 /// `VWStalled`
 pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(Call::VWStalled, -1);
+        return robot.refuse_handle(Call::VWStalled, -1, handle, Call::VWInit);
     }
     i32::from(robot.state.motion.is_stalled(robot.state.now))
 }
@@ -229,7 +235,7 @@ fn start(
     (call, event): (Call, Event<'_>),
 ) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.fail_call(call, -1);
+        return robot.refuse_handle(call, -1, handle, Call::VWInit);
     }
     let outcome = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
     robot.answer_call(call, -1, outcome)
@@ -291,6 +297,10 @@ pub(super) fn twist(robot: &mut Robot) -> Twist {
 
 /// Sets the odometry pose.
 pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), DriveRefusal> {
+    // A heading cannot count the whole turns of every finite angle.
+    if phi.is_nan() || phi.abs() > 1e12 {
+        return Err(CommandError::NotFinite.into());
+    }
     robot.state.motion.set_odometry(robot.state.now, Pose::new(x, y, phi))?;
     locate_odometry(robot);
     robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
