@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_archive_comes_apart_into_its_files() {
+    fn an_archive_is_split_into_its_files() {
         let archive = Archive::new(b"-- a/b.sim --\nworld w.wld\r\n-- a/w.wld --\r\n-- a/c --\nx");
         assert_eq!((archive.first(), archive.list("a")), ("a/b.sim", vec!["b.sim".into(), "c".into(), "w.wld".into()]));
         assert_eq!(archive.bytes("a/b.sim"), Some(&b"world w.wld\r\n"[..]));

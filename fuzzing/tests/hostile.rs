@@ -188,7 +188,7 @@ fn numbers_of_any_size_hold() {
 }
 
 #[test]
-fn a_name_of_a_quarter_megabyte_holds() {
+fn a_name_of_a_quarter_megabyte_is_handled() {
     let name = "n".repeat(1 << 18);
     for target in TARGETS {
         for line in [
@@ -219,7 +219,7 @@ fn a_name_of_a_quarter_megabyte_holds() {
 }
 
 #[test]
-fn deep_nesting_holds() {
+fn deep_nesting_is_handled() {
     for target in ["companion", "scene", "costs", "noise"] {
         check(target, format!("a = {}", "[".repeat(MANY)).as_bytes());
         check(target, format!("a = {}", "{a=".repeat(MANY)).as_bytes());
@@ -233,7 +233,7 @@ fn deep_nesting_holds() {
 }
 
 #[test]
-fn very_many_lines_hold() {
+fn very_many_lines_are_handled() {
     let lines: &[(&str, &str)] = &[
         ("world", "0 0 1 #\n"),
         ("world", "0 0 1 # 10 300 1 2 3\n"),
@@ -277,7 +277,7 @@ fn very_many_lines_hold() {
 }
 
 #[test]
-fn very_long_rows_hold() {
+fn very_long_rows_are_handled() {
     check("maze", format!("{}\n|{}|\n", " _".repeat(MANY), "_ ".repeat(MANY)).as_bytes());
     check("maze", format!(" _\n|{}", "S ".repeat(MANY)).as_bytes());
     check("world", "1 ".repeat(MANY).as_bytes());
@@ -318,7 +318,7 @@ fn load(text: &str) -> (Loaded, usize) {
 const ROBOT: &str = "-- a.robi --\ndiameter 100\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
 
 #[test]
-fn a_crowd_of_one_type_reads_its_file_once() {
+fn the_file_of_a_type_with_many_robots_is_read_once() {
     let mut sim = String::from("-- a.sim --\nworld w.wld\n");
     for number in 0..MANY {
         writeln!(sim, "robi a.robi p.so {} {} 0", 200 * (number % 316) + 100, 200 * (number / 316) + 100).unwrap();

@@ -113,7 +113,7 @@ impl std::fmt::Debug for ByteString {
 }
 
 #[test]
-fn changed_seeds_hold() {
+fn mutated_seeds_cause_no_failure() {
     for target in TARGETS {
         let seeds = seeds(target.name);
         let input = (any::<Index>(), prop::collection::vec(change(), 1..12)).prop_map(|(seed, changes)| {

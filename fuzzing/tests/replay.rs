@@ -32,7 +32,7 @@ fn replay(target: &str, path: &Path) {
 }
 
 #[test]
-fn seeds_and_findings_hold() {
+fn seeds_and_regressions_cause_no_failure() {
     for target in TARGETS {
         let seeds = files_below(&root().join("fuzz/seeds").join(target.name));
         assert!(!seeds.is_empty(), "`{}` has no seeds", target.name);
@@ -61,7 +61,7 @@ fn every_target_has_its_binary_and_every_input_its_target() {
 }
 
 #[test]
-fn files_of_eyesim_hold() {
+fn files_of_eyesim_cause_no_failure() {
     let corpus = root().join("../shared/eyesim/corpus");
     let files = files_below(&corpus);
     if files.is_empty() {

@@ -26,7 +26,7 @@ mod tests {
     use robios_api::fake::Fake;
 
     #[test]
-    fn comes_back() {
+    fn it_returns_to_its_start() {
         let run = Fake::new().psd(PsdAt::Front, |now| Some(1.metres() - now.position.x)).run(main).expect_finished();
         assert!(run.position().distance_to(Default::default()) < 1.millimetres());
         assert!(run.lcd_line(0).starts_with("wall at 0.8"));

@@ -143,7 +143,7 @@ fn waiting_call_is_reported_with_its_line() {
 }
 
 #[test]
-fn keys_come_when_they_are_pressed() {
+fn keys_are_received_when_they_are_pressed() {
     Fake::new()
         .key(2.seconds(), Key::Key3)
         .key(1.seconds(), Key::Key1)

@@ -87,7 +87,7 @@ fn long_text_is_formatted_whole() {
 }
 
 #[test]
-fn main_has_every_form_of_old_and_new_c() {
+fn every_form_of_main_in_old_and_new_c_works() {
     if !has_compiler() {
         return;
     }

@@ -164,7 +164,7 @@ fn texts_images_and_buffers_are_transferred_completely() {
 }
 
 #[test]
-fn a_function_is_called_back_and_a_stop_writes_nothing() {
+fn a_callback_is_called_and_a_stopped_call_writes_no_result() {
     let robot = Robot::default();
     let (mut result, mut counter) = (99, 0);
     let callback = Callback { code: Some(count), data: (&raw mut counter).cast() };

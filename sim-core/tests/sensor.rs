@@ -61,7 +61,7 @@ fn the_range_is_inclusive_and_nothing_beyond_it_is_detected() {
 }
 
 #[test]
-fn a_level_psd_reads_bit_for_bit_what_a_plane_beam_reads() {
+fn readings_of_a_level_psd_and_a_plane_beam_are_bit_identical() {
     let world = room(DVec2::ZERO);
     let mut random = Random::new(6);
     for _ in 0..2_000 {

@@ -86,7 +86,7 @@ fn servos_turn_the_camera() {
 }
 
 #[test]
-fn an_image_has_the_number_that_it_had() {
+fn number_at_returns_the_number_that_an_image_had() {
     let (mut simulation, scenery) = bench();
     switch_on(&mut simulation, [8, 6]);
     for at in [100_000, 200_000, 900_000] {

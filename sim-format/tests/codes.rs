@@ -202,7 +202,7 @@ fn the_pages_are_those_of_the_registry() {
 }
 
 #[test]
-fn every_page_says_what_the_registry_says() {
+fn every_page_agrees_with_the_registry() {
     for code in Code::ALL {
         let page = Page::of(*code);
         let mut lines = page.text.lines();

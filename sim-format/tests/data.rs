@@ -138,7 +138,7 @@ fn our_worlds_are_closed_around_their_starts() {
 }
 
 #[test]
-fn starts_of_our_worlds_hold_the_largest_robot_that_they_are_made_for() {
+fn starts_of_our_worlds_have_room_for_the_intended_robot_sizes() {
     for (file, radius) in [
         ("empty.wld", 0.2),
         ("obstacles.wld", 0.2),
@@ -189,7 +189,7 @@ fn every_cell_of_our_mazes_can_be_reached() {
 }
 
 #[test]
-fn robots_have_the_drives_that_they_are_made_for() {
+fn sample_robots_have_the_expected_drives_and_sensors() {
     use sim_core::spec::DriveKind::{Ackermann, Differential, Omni};
     for (file, kind, wheelbase, psds) in [
         ("scout.robi", Differential, 0.1, 4),

@@ -230,7 +230,7 @@ fn walls_of(text: &str, pitch: usize) -> Vec<String> {
 }
 
 #[test]
-fn every_maze_is_drawn_again_as_it_was() {
+fn every_maze_equals_its_drawing() {
     let Some(corpus) = corpus() else { return };
     let files = texts(&corpus, &["maz", "maze"]);
     assert!(files.len() >= 22, "only {} mazes", files.len());

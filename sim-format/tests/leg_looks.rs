@@ -47,7 +47,7 @@ heading_deg = 30
 }
 
 #[test]
-fn legs_are_seen_where_their_joints_put_them() {
+fn cameras_see_legs_at_the_poses_of_their_joints() {
     let loaded = load_scene("a.scene.toml", &Scene);
     assert_eq!(loaded.diagnostics, []);
     let spec = &loaded.scene.robots[0];

@@ -197,7 +197,7 @@ fn a_robot_that_stands_has_its_feet_under_its_hips() {
 }
 
 #[test]
-fn feet_stay_where_they_are_on_straight_ways_curves_and_turns() {
+fn standing_feet_do_not_move_on_straight_paths_curves_and_turns() {
     for legs in [Arc::new(biped()), Arc::new(four_legs())] {
         let (speed, turn) = (model(&legs).max_speed, model(&legs).max_turn);
         for twist in [
@@ -359,7 +359,7 @@ proptest! {
     }
 
     #[test]
-    fn stances_do_not_depend_on_who_asks_when(
+    fn stances_do_not_depend_on_queries(
         script in prop::collection::vec((1_000..900_000i64, leg_input()), 1..8),
         asked in prop::collection::vec(0..3_000_000i64, 0..20),
         slots in prop_oneof![Just(1_000i64), Just(50_000), Just(64_003)],
@@ -404,7 +404,7 @@ fn a_turn_on_the_spot_turns_each_foot_by_as_much() {
 }
 
 #[test]
-fn a_natural_walk_is_near_its_source() {
+fn a_natural_walk_is_close_to_the_published_angles() {
     let legs = Arc::new(person());
     let speed = legs.natural_speed(&legs.gaits[0]).expect("a natural gait");
     let mut motion = walker(&legs);
@@ -498,7 +498,7 @@ fn feet_rest_on_rough_ground_and_steps() {
 }
 
 #[test]
-fn wheels_in_the_place_of_feet_roll_along() {
+fn wheels_in_place_of_feet_roll_along() {
     let mut legs = four_legs();
     for leg in &mut legs.legs[2..] {
         leg.wheel = Some(0.1);

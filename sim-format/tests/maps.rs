@@ -81,7 +81,7 @@ fn a_turned_map_lies_on_its_floor() {
 }
 
 #[test]
-fn a_map_is_written_in_many_ways() {
+fn variants_of_the_yaml_give_the_same_map() {
     let plain = of_yaml(YAML, PGM.as_bytes()).scene.world;
     let same = [
         YAML.replace('\n', "\r\n"),
@@ -108,7 +108,7 @@ fn a_map_is_written_in_many_ways() {
 }
 
 #[test]
-fn mistakes_of_a_map_are_reported_with_their_place() {
+fn mistakes_of_a_map_are_reported_with_their_locations() {
     type Expected = (&'static str, u32, u32, Severity);
     let (warning, error) = (Severity::Warning, Severity::Error);
     let cases: [(String, &[Expected]); 15] = [
@@ -143,7 +143,7 @@ fn mistakes_of_a_map_are_reported_with_their_place() {
 }
 
 #[test]
-fn images_are_read_in_all_their_forms() {
+fn every_variant_of_netpbm_is_read() {
     let expected = ends(&of_yaml(YAML, b"P1\n3 2\n0 0 1\n1 0 0\n").scene.world);
     assert_eq!(expected.len(), 8);
     let wide: Vec<u8> = [254_u16, 254, 0, 0, 254, 254].iter().flat_map(|level| (level * 257).to_be_bytes()).collect();
@@ -186,7 +186,7 @@ fn a_png_is_a_map_too() {
 }
 
 #[test]
-fn broken_images_are_errors_and_take_no_memory() {
+fn broken_images_are_errors_and_allocate_no_memory() {
     let images: [(&[u8], &str); 12] = [
         (b"", "map-image"),
         (b"hello", "map-image"),
@@ -216,7 +216,7 @@ fn broken_images_are_errors_and_take_no_memory() {
 }
 
 #[test]
-fn noise_of_too_many_walls_is_refused() {
+fn a_map_with_too_many_walls_is_refused() {
     let side = 1500;
     let mut image = format!("P5 {side} {side} 255\n").into_bytes();
     image.extend((0..side * side).map(|at| if (at / side + at % side) % 2 == 0 { 0 } else { 254 }));
@@ -224,7 +224,7 @@ fn noise_of_too_many_walls_is_refused() {
 }
 
 #[test]
-fn a_map_keeps_its_origin_from_grid_to_grid() {
+fn conversion_between_grids_keeps_the_origin() {
     let files: MemoryFiles = [("m.yaml", YAML.as_bytes()), ("a.pgm", PGM.as_bytes())].into_iter().collect();
     let converted = run(&files, "m.yaml", "sub/b.yaml", ConvertOptions::default());
     let [yaml, image] = &converted.outputs[..] else { panic!("{:?}", converted.diagnostics) };
@@ -399,7 +399,7 @@ fn a_maze_is_the_same_in_every_form() {
 }
 
 #[test]
-fn mistakes_of_mazes_are_reported_with_their_place() {
+fn mistakes_of_mazes_are_reported_with_their_locations() {
     let cases: [(&str, String, &str, u32, u32); 12] = [
         ("a.txt", POSTS.replace("o---o---o---o\n|       | G", "o---o---o-- o\n|       | G"), "maz-posts", 1, 10),
         ("a.txt", POSTS.replace("o   o   o   o", "o   o       o"), "maz-posts", 3, 1),
@@ -503,7 +503,7 @@ fn steps_on_characters(text: &str, goals: &[[usize; 2]]) -> Option<u32> {
 const MIDDLE: [[usize; 2]; 4] = [[7, 7], [7, 8], [8, 7], [8, 8]];
 
 #[test]
-fn shortest_ways_agree_with_a_search_on_the_drawing() {
+fn shortest_paths_agree_with_a_search_on_the_drawing() {
     let mut open = 0;
     for seed in 0..60 {
         for side in [16, 32] {
@@ -551,7 +551,7 @@ fn a_binary_maze_in_another_order_is_read_with_a_warning() {
 }
 
 #[test]
-fn mistakes_of_binary_mazes_are_reported_with_their_byte() {
+fn mistakes_of_binary_mazes_are_reported_with_their_bytes() {
     let walls = random_maze(16, 5, 30);
     for length in [1, 255, 257, 1023, 5000] {
         let bytes: Vec<u8> = walls.iter().copied().cycle().take(length).collect();
@@ -717,7 +717,7 @@ fn scenarios_become_a_suite() {
 }
 
 #[test]
-fn lines_that_are_not_scenarios_are_reported() {
+fn invalid_scenario_lines_are_reported() {
     let line = "0\ta.map\t4\t3\t0\t0\t3\t2\t5\n";
     for (text, location) in [
         (String::new(), (0, 0)),
@@ -804,7 +804,7 @@ fn poses_of_models_links_and_collisions_add_up() {
 }
 
 #[test]
-fn mistakes_of_worlds_are_reported_with_their_place() {
+fn mistakes_of_worlds_are_reported_with_their_locations() {
     let cylinder = "<cylinder><radius>0.1</radius><length>1</length></cylinder>";
     let good = model("0 0 0 0 0 0", cylinder);
     for (text, code, line) in [

@@ -231,7 +231,7 @@ fn text_of(path: &Path) -> String {
 }
 
 #[test]
-fn mazes_of_this_repository_are_driven_as_drawn() {
+fn robots_reach_the_same_cells_in_our_mazes_as_in_their_drawings() {
     let mazes = mazes_below(&root().join("worlds"));
     assert!(!mazes.is_empty(), "there are mazes in worlds/");
     for path in mazes {
@@ -241,7 +241,7 @@ fn mazes_of_this_repository_are_driven_as_drawn() {
 }
 
 #[test]
-fn mazes_of_eyesim_are_driven_as_drawn() {
+fn robots_reach_the_same_cells_in_mazes_of_eyesim_as_in_their_drawings() {
     let corpus = root().join("../shared/eyesim/corpus");
     let mazes = mazes_below(&corpus);
     if mazes.is_empty() {
@@ -317,7 +317,7 @@ const LETTERS: &[char] = &['s', 'S', 'u', 'U', 'r', 'R', 'd', 'D', 'l', 'L', 'o'
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn random_mazes_are_driven_as_drawn(text in maze()) {
+    fn robots_reach_the_same_cells_in_random_mazes_as_in_their_drawings(text in maze()) {
         compare("random.maz", &text);
     }
 }

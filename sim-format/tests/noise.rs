@@ -77,7 +77,7 @@ fn reported(text: &str) -> Vec<Diagnostic> {
 }
 
 #[test]
-fn a_profile_reads_as_it_says() {
+fn a_profile_sets_every_parameter() {
     let (spec, diagnostics) = read_noise("p.toml", ALL);
     assert_eq!(diagnostics, []);
     assert_eq!(Some(&spec.base), preset("mild").as_ref());
@@ -115,7 +115,7 @@ fn a_profile_reads_as_it_says() {
 }
 
 #[test]
-fn presets_have_no_mistakes_and_grow() {
+fn presets_have_no_mistakes_and_increasing_noise() {
     let mut before = BTreeMap::new();
     for name in PRESETS {
         let text = preset_text(name).expect("a text");
@@ -140,7 +140,7 @@ fn presets_have_no_mistakes_and_grow() {
 }
 
 #[test]
-fn each_mistake_has_its_place_and_what_is_expected() {
+fn each_mistake_is_reported_with_its_location_and_what_is_expected() {
     let text = "base = \"reel\"\n[psd]\nsigma_mm = -1\nsigma_percent = nan\nbias_mm = inf\nsgima_mm = 3\noutlier = 1.5\n\
                 dropout = \"often\"\ndrift_s = 0\n[pds]\n[sensor]\nPSD_LEFT = 3\n[sensor.A]\nstep_mm = 1e300\n[laser]\ndevise = 1\n";
     let diagnostics = reported(text);
@@ -188,7 +188,7 @@ fn the_page_names_every_key_and_its_example_has_no_mistakes() {
 }
 
 #[test]
-fn a_mistake_leaves_what_the_base_says() {
+fn an_invalid_value_keeps_the_value_of_the_base() {
     let (spec, _) = read_noise("p.toml", "base = \"real\"\n[psd]\nsigma_mm = -1\nstep_mm = 7\n");
     let psd = spec.profile().range(RangeKind::Psd, "");
     assert_eq!((psd.sigma, psd.step), (0.001, 0.007));
@@ -227,7 +227,7 @@ fn sigma(noise: &Option<NoiseRef>) -> f64 {
 }
 
 #[test]
-fn a_robot_goes_before_its_scene_and_files_are_read_once() {
+fn noise_of_a_robot_precedes_that_of_its_scene_and_files_are_read_once() {
     let scene = format!(
         "{WORLD}[scene]\nnoise = \"lab.toml\"\n\
          [[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
@@ -264,7 +264,7 @@ fn a_profile_that_is_missing_or_wrong_is_an_error_of_the_scene() {
 }
 
 #[test]
-fn what_is_printed_reads_back() {
+fn printed_profiles_read_back() {
     let (spec, _) = read_noise("p.toml", ALL);
     let text = print_noise(&spec);
     let (again, diagnostics) = read_noise("p.toml", &text);
@@ -297,7 +297,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_is_too_odd(text in "(base|psd|sensor|\\[|\\]|=|\\.|\"|real|sigma_mm|1e9|-1|nan|\\{|\\}|,|\n| ){0,40}") {
+    fn arbitrary_text_gives_finite_numbers(text in "(base|psd|sensor|\\[|\\]|=|\\.|\"|real|sigma_mm|1e9|-1|nan|\\{|\\}|,|\n| ){0,40}") {
         let (spec, _) = read_noise("p.toml", &text);
         let Profile { ranges, .. } = spec.profile();
         prop_assert!(ranges.iter().all(|range| range.sigma.is_finite() && range.sigma >= 0.0));

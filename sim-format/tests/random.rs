@@ -77,7 +77,7 @@ fn arguments_may_be_numbers_and_are_passed_as_they_are_written() {
 }
 
 #[test]
-fn a_thing_more_leaves_all_others_as_they_were() {
+fn an_additional_entity_does_not_change_the_others() {
     let robots = "[[robot]]\nname = \"hunter\"\ntype = \"S4\"\nx_mm = { uniform = [500, 3500] }\ny_mm = 500\n\
                   [[robot]]\ntype = \"S4\"\ncount = 3\nlayout = \"random\"\n";
     let cans = "[[object]]\ntype = \"Can\"\ncount = 4\nlayout = \"random\"\nfriction = { uniform = [0.1, 0.9] }\n";
@@ -94,7 +94,7 @@ fn a_thing_more_leaves_all_others_as_they_were() {
 }
 
 #[test]
-fn ugly_draws_end_in_messages() {
+fn invalid_random_values_are_reported() {
     let of = |value: &str| robot(&format!("x_mm = {value}\ny_mm = 500"));
     let cases = [
         ("the greatest first", of("{ uniform = [2, 1] }"), Code::SceneDraw),
@@ -154,7 +154,7 @@ fn ugly_draws_end_in_messages() {
 }
 
 #[test]
-fn a_check_finds_what_other_seeds_would_show() {
+fn check_finds_mistakes_that_occur_only_with_other_seeds() {
     let text = robot("x_mm = { uniform = [500, 900] }\ny_mm = { choice = [500, 600, 700, \"far\"] }");
     let checked = check_scene("a.scene.toml", Overrides::default(), &files(&text));
     assert!(codes(&checked).contains(&Code::TomlType), "{:?}", checked.diagnostics);
@@ -171,7 +171,7 @@ fn a_check_finds_what_other_seeds_would_show() {
 }
 
 #[test]
-fn ten_thousand_things_find_their_places() {
+fn ten_thousand_objects_are_placed_at_random() {
     let text = |count: u32| {
         format!(
             "[world]\nfloor_mm = [100000, 100000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
@@ -188,7 +188,7 @@ fn ten_thousand_things_find_their_places() {
 }
 
 #[test]
-fn random_places_are_drawn_again_until_the_goal_can_be_reached() {
+fn random_positions_are_redrawn_until_the_goal_is_reachable() {
     let text = "[world]\nfloor_mm = [2000, 1000]\n[[world.wall]]\nfrom_mm = [1000, 0]\nto_mm = { choice = [[1000, 1000], [1000, 500]] }\n\
                 [[robot]]\ntype = \"S4\"\nx_mm = 300\ny_mm = 500\n[[object]]\nname = \"goal\"\ntype = \"Can\"\nx_mm = 1700\ny_mm = 500\n\
                 [[reachable]]\nfrom = \"robot.1\"\nto = \"object.goal\"\n[[reachable]]\nfrom = \"object.goal\"\nto = \"robot.1\"\nwidth_mm = 180\n";

@@ -35,7 +35,7 @@ fn area(mesh: &Mesh, face: &Triangle) -> f64 {
 const WALLS: &str = "floor 4000 3000\n0 0 4000 0\n4000 0 4000 3000 0 150 1 2 3\n1000 1000 2500 1700 40 300\n";
 
 #[test]
-fn walls_stand_on_the_floor_and_share_their_corners_to_the_bit() {
+fn walls_stand_on_the_floor_and_share_bit_identical_corners() {
     let files = memory([("a.wld", WALLS)]);
     let scenery = of(&load_world("a.wld", &files).scene, &files);
     let [south, east, slanting] = scenery.parts() else { panic!("three walls") };
@@ -176,7 +176,7 @@ fn bodies_stand_on_the_floor_and_no_part_of_them_hangs_in_the_air() {
 }
 
 #[test]
-fn a_part_in_the_air_would_be_found() {
+fn the_test_detects_a_part_in_the_air() {
     let boxes = |heights: &[f64]| {
         let collider = |z: &f64| Collider::Box { centre: DVec3::new(0.0, 0.0, *z), size: DVec3::splat(0.1) };
         let kind =

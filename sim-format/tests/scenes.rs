@@ -120,7 +120,7 @@ const DEFECTS: &[(&str, &[Reported])] = &[
 ];
 
 #[test]
-fn every_scene_has_the_defects_that_it_has() {
+fn every_scene_has_its_known_defects() {
     let Some(corpus) = Corpus::find() else { return };
     let defects: BTreeMap<&str, &[_]> = DEFECTS.iter().copied().collect();
     let files = corpus.files("sim");
@@ -137,7 +137,7 @@ fn every_scene_has_the_defects_that_it_has() {
 
 /// The numbers of loaded robots and objects equal the numbers of lines that place them, counted on the text.
 #[test]
-fn every_line_that_places_something_does() {
+fn every_line_that_places_an_entity_is_read() {
     let Some(corpus) = Corpus::find() else { return };
     for file in corpus.files("sim") {
         let loaded = load_scene(&file, &corpus);

@@ -180,7 +180,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_copy_goes_on_as_its_original_and_disturbs_nothing(
+    fn a_copy_continues_like_its_original_and_does_not_affect_it(
         seed in 0_u64..1_000, slot_ms in prop::sample::select(vec![1_i64, 7, 20, 50, 100]), at in 0..STEPS,
     ) {
         let mut alone = simulation(seed, slot_ms);
@@ -212,7 +212,7 @@ fn another_seed_is_another_run() {
 }
 
 #[test]
-fn a_restart_is_a_new_simulation() {
+fn a_restarted_simulation_equals_a_new_one() {
     let mut old = simulation(1, 50);
     steps(&mut old, 0, STEPS);
     let mut scene = SceneSpec::clone(&CROWD);
@@ -237,7 +237,7 @@ fn act_unseen(robot: &mut Robot, world: &World, step: u64) {
 }
 
 #[test]
-fn a_thousand_side_by_side_are_each_as_alone() {
+fn each_of_a_thousand_interleaved_simulations_runs_as_if_alone() {
     const FEW: u64 = 8;
     let alone: Vec<String> = (0..10)
         .map(|seed| {
@@ -270,7 +270,7 @@ fn a_thousand_side_by_side_are_each_as_alone() {
 }
 
 #[test]
-fn a_robot_drives_as_far_as_its_twist_says() {
+fn a_robot_drives_the_distance_of_its_twist() {
     let scene = scene(
         "[world]\nfloor_mm = [9000, 3000]\nwall = [{ from_mm = [9000, 0], to_mm = [9000, 3000] }]\n[[robot]]\ntype = \"S4\"\nx_mm = 1000\ny_mm = 1500\n",
     );
@@ -352,7 +352,7 @@ fn interventions_are_refused_with_reasons() {
 }
 
 #[test]
-fn who_comes_is_seen_and_who_leaves_is_not() {
+fn cameras_see_spawned_entities_and_not_removed_ones() {
     let mut simulation = simulation(1, 50);
     simulation.advance_to(Time::from_millis(50));
     let sees = |simulation: &mut Simulation, label: Label| {

@@ -63,7 +63,7 @@ fn codes(loaded: &Loaded) -> Vec<String> {
 }
 
 #[test]
-fn rays_meet_the_terrain_as_high_as_the_scene_says() {
+fn rays_hit_the_terrain_at_the_height_of_its_field() {
     let loaded = with(
         "function = \"boulders\", seed = 9, relief_mm = 300, boulders = 20, \
          clear = [{ x_mm = 500, y_mm = 500, radius_mm = 300 }]",
@@ -85,7 +85,7 @@ fn rays_meet_the_terrain_as_high_as_the_scene_says() {
 }
 
 #[test]
-fn an_image_of_8_or_16_bits_is_as_high_as_it_is_bright() {
+fn heights_of_images_of_8_and_16_bits_are_proportional_to_brightness() {
     let terrain = "image = \"a.png\", offset_mm = [1000, 0, 100], size_mm = [2000, 3000], height_mm = 510";
     let mut grey = GrayImage::new(3, 2);
     for (column, row, shade) in [(0, 0, 255), (1, 0, 100), (2, 1, 1)] {
@@ -106,7 +106,7 @@ fn an_image_of_8_or_16_bits_is_as_high_as_it_is_bright() {
 }
 
 #[test]
-fn of_colours_the_brightness_is_taken_with_a_warning() {
+fn colour_images_give_their_brightness_as_height_with_a_warning() {
     let mut image = RgbImage::new(2, 2);
     image.put_pixel(0, 1, image::Rgb([255, 0, 0]));
     let red = with_image("image = \"a.png\", height_mm = 1000", png(image));
@@ -120,7 +120,7 @@ fn of_colours_the_brightness_is_taken_with_a_warning() {
 }
 
 #[test]
-fn what_makes_no_terrain_is_said() {
+fn invalid_terrains_are_reported() {
     let image = "image = \"a.png\", height_mm = 100";
     let grey = |width, height| png(GrayImage::new(width, height));
     let broken = grey(9, 9)[..30].to_vec();

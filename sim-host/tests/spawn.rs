@@ -182,7 +182,7 @@ fn sensors_detect_spawned_entities_but_not_removed_ones() {
 }
 
 #[test]
-fn a_removed_robot_is_no_obstacle() {
+fn a_removed_robot_is_not_an_obstacle() {
     let robots = "robi bot.robi drive.c 500 500 0\nrobi bot.robi key.c 1000 500 0\n";
     let key = format!("{LEAVE}{KEY}");
     let scene = room(robots, &[("drive.c", DRIVE), ("key.c", &key)]);

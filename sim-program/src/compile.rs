@@ -727,7 +727,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_messages_are_cut() {
+    fn many_messages_are_truncated() {
         let few = "a.c:1: error\n".repeat(100);
         assert_eq!(beginning(&few), few);
         let many = beginning(&"a.c:1: error\n".repeat(10_000));

@@ -653,7 +653,7 @@ mod tests {
     }
 
     #[test]
-    fn a_source_that_another_includes_is_no_source_of_its_own() {
+    fn an_included_source_is_not_compiled_separately() {
         let included = b"#include <stdio.h>\n # include \"image.c\"\n#include \"main.c\"\n#include \"map.h\"\n";
         let folder = TestFolder::with(&[
             ("sims/drive/main.c", included),
@@ -881,7 +881,7 @@ mod tests {
     }
 
     #[test]
-    fn file_that_is_no_program_is_not_replaced() {
+    fn file_that_is_not_a_program_is_not_replaced() {
         let test_folder =
             TestFolder::with(&[("sims/good.c", b""), ("sims/good.txt", b"text"), ("sims/mine.c/x.txt", b"")]);
         assert!(test_folder.check_missing("good.txt").contains("`good.txt` cannot be run here"));

@@ -693,7 +693,7 @@ mod tests {
     const DIALECT_7: GenerationHint = GenerationHint { api: None, dialect: Some(Generation::Robios7) };
 
     #[test]
-    fn functions_of_one_generation_determine_it() {
+    fn functions_of_one_generation_determine_the_generation() {
         assert_eq!(choice_for("int main() { VWStraight(500, 200); VWWait(); }"), "RoBIOS-7 (VWStraight, VWWait)");
         assert_eq!(choice_for("void f() { vw = VWInit(VW_DRIVE, 1); LCDClear(); }"), "RoBIOS 6 (VWInit)");
         assert_eq!(
@@ -726,7 +726,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_decide_if_functions_do_not() {
+    fn constants_determine_the_generation_if_functions_do_not() {
         let text = "int main() { BYTE img[QQVGA_SIZE]; CAMInit(QQVGA); LCDClear(); }";
         assert_eq!(choice_for(text), "RoBIOS-7 (QQVGA, QQVGA_SIZE)");
         assert_eq!(choice_for("int main() { image img; int i = imagerows; LCDClear(); }"), "RoBIOS 6 (imagerows)");

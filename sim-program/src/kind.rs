@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn position_independent_executable_is_no_library() {
+    fn position_independent_executable_is_not_a_library() {
         let path = std::env::current_exe().expect("this program");
         let head = std::fs::read(path).expect("its bytes");
         check(&head[..HEAD_BYTES], "an executable for");

@@ -2269,7 +2269,7 @@ mod tests {
     }
 
     #[test]
-    fn continued_texts_lack_no_quote() {
+    fn continued_texts_do_not_lack_a_quote() {
         let source = "int main(void)\n{\n  LCDPrintf(\"a\\\n b\" 3);\n";
         let output = "a.c:4:4: error: expected ')' before numeric constant\n    4 |  b\" 3);\n      |    ^~\n";
         assert_eq!(in_plain_words(output, ("a.c", source)), "a.c:4: a `,` or a `)` is missing before `3`\n");

@@ -132,7 +132,7 @@ fn only_pages_with_the_token_may_act() {
 }
 
 #[test]
-fn commands_are_answered_by_their_numbers() {
+fn answers_have_the_numbers_of_their_commands() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
     let placement = json!({ "do": "place_robot", "robot": 1, "x_m": 0.1, "y_m": 0.2, "phi_rad": 0.3 });
@@ -189,7 +189,7 @@ fn a_selection_ends_the_wait_for_commands() {
 }
 
 #[test]
-fn display_comes_once_and_to_each_page() {
+fn the_display_is_sent_once_to_each_page() {
     let window = local();
     window.show(snapshot(0.0), vec![detail(1, 0.0, Some("data:a")), detail(2, 0.0, Some("data:b"))]);
     let (mut page, _) = Client::hello(&window, None);

@@ -3,7 +3,7 @@
 use tests::{Scratch, root};
 
 #[test]
-fn a_study_is_written_in_every_form() {
+fn a_study_writes_rows_plots_and_page() {
     let scratch = Scratch::new();
     scratch.write("page.md", "before\n<!-- accuracy: reflectance -->\nold\n<!-- end -->\nafter\n");
     let forms = ["--json", "rows.json", "--plots", "plots/new", "--page", "page.md"];
@@ -30,7 +30,7 @@ fn a_study_is_written_in_every_form() {
 }
 
 #[test]
-fn rows_on_standard_output_are_json_alone() {
+fn rows_on_standard_output_are_only_json() {
     let ran = Scratch::new().eyesim(&["accuracy", "range-sensors", "reflectance", "--quick", "--json", "-"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let rows: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON and nothing else");
@@ -59,7 +59,7 @@ fn the_page_of_the_docs_has_a_place_for_every_study_and_every_picture_is_there()
 }
 
 #[test]
-fn the_curves_in_the_page_of_the_radio_are_what_the_studies_draw() {
+fn the_curves_on_the_radio_page_are_those_of_the_studies() {
     let scratch = Scratch::new();
     let ran = scratch.eyesim(&["accuracy", "radio", "radio-latency", "--quick", "--plots", "accuracy"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
@@ -89,7 +89,7 @@ fn the_sweep_in_the_page_is_what_a_program_prints() {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn invalid_requests_are_reported() {
     let scratch = Scratch::new();
     scratch.write("page.md", "nothing here\n");
     scratch.write("file", "");

@@ -84,7 +84,7 @@ fn uses_of(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn rooms_use_what_the_table_says_and_nothing_else() {
+fn rooms_use_exactly_the_rooms_in_the_table() {
     let documented = documented();
     assert_eq!(documented.keys().collect::<Vec<_>>(), ["eyesim", "sim-core", "sim-host"]);
     for (name, documented) in documented {
@@ -98,7 +98,7 @@ fn rooms_use_what_the_table_says_and_nothing_else() {
 }
 
 #[test]
-fn rooms_close_no_circle() {
+fn rooms_have_no_cyclic_dependencies() {
     for name in ["sim-core", "sim-host", "eyesim"] {
         let mut rooms = found(name);
         loop {

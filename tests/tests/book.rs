@@ -260,7 +260,7 @@ fn the_examples_of_the_references() {
 }
 
 #[test]
-fn a_page_that_is_wrong_is_found() {
+fn mistakes_of_a_page_are_detected() {
     let page = "`a.txt`:\n\n```text\none\ntwo\n```\n\nIn `a.txt`:\n\n```diff\n one\n-two\n+three\n```\n\n\
                 ```sh\ncat a.txt\n```\n\n```text\none\n...\nthree\n```\n\n<!-- exit 2 -->\n```sh\nexit 2\n```\n";
     let steps = |page: &str| {

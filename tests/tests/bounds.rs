@@ -19,7 +19,7 @@ const FLOOD: &str = r#"
     }"#;
 
 #[test]
-fn output_beyond_the_limit_is_cut_reported_once_and_counted() {
+fn output_beyond_the_limit_is_discarded_reported_once_and_counted() {
     for exec in ["thread", "process"] {
         let scratch = Scratch::new();
         scratch.write("flood.c", FLOOD);
@@ -79,7 +79,7 @@ fn pipes_and_devices_in_place_of_programs_are_refused_at_once() {
 }
 
 #[test]
-fn what_a_program_says_of_its_failure_steers_no_terminal() {
+fn messages_of_failed_programs_are_escaped() {
     let programs = [
         ("fail.c", "#include \"eyebot.h\"\nint main(void) { OSPanic(\"\\033]0;owned\\007 bad\"); return 0; }\n"),
         (
@@ -113,7 +113,7 @@ fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
 }
 
 #[test]
-fn a_program_that_takes_no_signal_is_left_behind() {
+fn a_program_that_blocks_all_signals_is_abandoned() {
     let program = "#include <signal.h>\n#include <unistd.h>\n#include <sys/syscall.h>\n#include \"eyebot.h\"\n\
                    int main(void) { unsigned long all = ~0UL; OSWait(200);\n\
                    syscall(SYS_rt_sigprocmask, SIG_BLOCK, &all, 0, 8); for (;;); }\n";
@@ -127,7 +127,7 @@ fn a_program_that_takes_no_signal_is_left_behind() {
 }
 
 #[test]
-fn a_programs_floats_are_not_the_hosts() {
+fn the_floating_point_environment_of_a_program_does_not_affect_the_host() {
     let program = |set: &str| {
         format!(
             "#define _GNU_SOURCE\n#include <fenv.h>\n#include <math.h>\n#include \"eyebot.h\"\nint main(void) {{\n{set};\n\
@@ -239,7 +239,7 @@ fn a_program_that_could_end_eyesim_runs_in_a_process_of_its_own() {
 }
 
 #[test]
-fn a_record_that_is_not_whole_is_no_success() {
+fn a_run_with_an_incomplete_record_fails() {
     for harm in [
         "unlink(\"t.jsonl\");",
         "truncate(\"t.jsonl\", 10);",

@@ -255,7 +255,7 @@ int main(void)
 "#;
 
 #[test]
-fn every_function_of_robios7_does_what_is_said() {
+fn every_camera_function_of_robios7_works_as_documented() {
     let scratch = scratch(ROBOTS);
     scratch.write("one.c", EVERY_FUNCTION_7);
     scratch.write("two.c", "#include \"eyebot.h\"\nint main(void) { OSWait(1); return 0; }\n");
@@ -265,7 +265,7 @@ fn every_function_of_robios7_does_what_is_said() {
 }
 
 #[test]
-fn every_function_of_robios6_does_what_is_said() {
+fn every_camera_function_of_robios6_works_as_documented() {
     let scratch = scratch(ROBOTS);
     scratch.write("one.c", EVERY_FUNCTION_6);
     scratch.write("two.c", "#include \"eyebot.h\"\nint main(void) { OSWait(1); return 0; }\n");
@@ -351,7 +351,7 @@ print("done")
 "#;
 
 #[test]
-fn python_sees_the_same() {
+fn camera_functions_give_the_same_in_python() {
     if !std::process::Command::new("python3").arg("--version").output().is_ok_and(|out| out.status.success()) {
         println!("skipped: there is no `python3`");
         return;
@@ -391,7 +391,7 @@ fn a_shot_is_what_the_program_gets() {
 }
 
 #[test]
-fn an_image_too_large_for_a_local_array_ends_its_program_alone() {
+fn an_image_too_large_for_a_local_array_ends_only_its_program() {
     let scratch = scratch("S4 500 500 0 small.c\nS4 500 1500 0 other.c\n");
     let small =
         "int main(void)\n{\n    BYTE image[100];\n    CAMInit(VGA);\n    CAMGet(image);\n    return image[0];\n}\n";
@@ -486,7 +486,7 @@ fn an_image_that_cannot_be_written_ends_the_run() {
 }
 
 #[test]
-fn without_a_camera_nothing_is_read_for_one() {
+fn images_and_meshes_are_not_read_without_a_camera() {
     let scratch = Scratch::new();
     let walls =
         "floor_texture missing.png\nfloor 4000 4000\n0 0 4000 0\n4000 0 4000 4000\n4000 4000 0 4000\n0 4000 0 0\n";

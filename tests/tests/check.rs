@@ -39,7 +39,7 @@ fn codes(scratch: &Scratch, name: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_exit_code_tells_errors_and_under_strict_warnings() {
+fn the_exit_code_reports_errors_and_with_strict_also_warnings() {
     let scratch = with(&[("good.wld", GOOD), ("warned.wld", WARNED), ("wrong.wld", WRONG)]);
     for (args, code) in [
         (&["good.wld"][..], 0),
@@ -72,7 +72,7 @@ fn without_a_terminal_there_is_one_line_for_each_mistake() {
 }
 
 #[test]
-fn one_line_says_what_to_write() {
+fn the_short_format_says_what_to_write() {
     let suite = "[suite]\nscene = \"a.sim\"\n[matrix]\nseed = \"0..400000\"\n";
     let sim = "world=good.wld\ncan 1000\nball\nsettings FOO\n";
     let scratch = with(&[("a.sim", sim), ("a.suite.toml", suite), ("good.wld", GOOD)]);
@@ -95,7 +95,7 @@ fn one_line_says_what_to_write() {
 }
 
 #[test]
-fn people_see_the_line_and_no_colour_unless_they_want_it() {
+fn human_format_shows_the_line_and_colour_only_on_request() {
     let scratch = with(&[("warned.wld", WARNED)]);
     let plain = check(&scratch, &["warned.wld", "--format", "human"]).stdout;
     for part in [
@@ -202,7 +202,7 @@ fn scenes_worlds_and_programs_saved_with_txt_are_read() {
 }
 
 #[test]
-fn a_world_of_the_installation_is_told() {
+fn use_of_an_installed_world_is_reported() {
     let scratch = with(&[("a.sim", "world empty.wld\nS4 500 500 0\n")]);
     let told = |ran: &Ran| (ran.stdout.clone() + &ran.stderr).contains("`empty.wld` is that of the installation, `");
     assert!(told(&check(&scratch, &["a.sim", "--strict"])));
@@ -230,7 +230,7 @@ fn a_strict_run_does_not_start_with_a_warning() {
 }
 
 #[test]
-fn files_that_are_none_are_reported() {
+fn files_that_are_not_text_and_folders_are_reported() {
     let scratch = with(&[("empty.wld", ""), ("empty.sim", ""), ("empty.maz", ""), ("empty.robi", "")]);
     scratch.write("nul.wld", "floor 9 9\n\0\0\n");
     scratch.write("cr.wld", "floor 9 9\r0 0 1\r");
@@ -286,7 +286,7 @@ fn file_names_need_not_be_text() {
 
 /// A huge file of one line must fill neither the screen nor the memory.
 #[test]
-fn one_line_of_many_megabytes_is_no_trouble() {
+fn one_line_of_many_megabytes_is_handled() {
     let scratch = Scratch::new();
     let size = 4 << 20;
     scratch.write("word.wld", &format!("floor 9 9\n{}", "x".repeat(size)));
@@ -306,7 +306,7 @@ fn one_line_of_many_megabytes_is_no_trouble() {
 }
 
 #[test]
-fn output_that_nobody_reads_is_no_failure() {
+fn unread_output_is_not_a_failure() {
     let scratch = with(&[("many.wld", &"0 0 1\n".repeat(900))]);
     let mut child = scratch
         .command(&["check", "many.wld", "many.wld"])

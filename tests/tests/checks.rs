@@ -20,7 +20,7 @@ fn kinds() -> BTreeSet<String> {
 }
 
 #[test]
-fn the_page_has_an_example_of_every_kind_that_holds() {
+fn the_page_has_a_passing_example_of_every_kind_of_check() {
     let page = std::fs::read_to_string(root().join("docs/checks.md")).expect("the page");
     let scratch = Scratch::new();
     for (language, comment) in [("c", "// "), ("python", "# ")] {
@@ -130,7 +130,7 @@ fn instants_are_those_of_the_closed_form() {
 }
 
 #[test]
-fn a_failing_student_sees_what_where_and_when() {
+fn failed_checks_report_what_happened_where_and_when() {
     let checks = "[[check]]\nname = \"the goal\"\nkind = \"reach\"\nat_mm = [2500, 500]\nwithin_mm = 100\npoints = 4\n\
                   [[check]]\nname = \"touches nothing\"\nkind = \"contacts\"\npoints = 3\n\
                   [[check]]\nname = \"tells\"\nkind = \"prints\"\ntext = \"found\"\n\
@@ -187,7 +187,7 @@ fn checks_change_neither_the_run_nor_its_digest() {
 }
 
 #[test]
-fn objects_reach_places_and_a_removed_goal_is_no_crash() {
+fn objects_reach_positions_and_a_removed_goal_causes_no_failure() {
     let ball = "[[object]]\ntype = \"Golf\"\nx_mm = 700\ny_mm = 500\n\
                 [[check]]\nkind = \"reach\"\nobject = 1\nat_mm = [900, 500]\nwithin_mm = 20\n\
                 [[check]]\nkind = \"stays_in\"\nobject = 1\narea_mm = [[650, 450], [750, 550]]\n";
@@ -199,7 +199,7 @@ fn objects_reach_places_and_a_removed_goal_is_no_crash() {
 }
 
 #[test]
-fn mistakes_in_checks_are_reported_with_their_place() {
+fn mistakes_in_checks_are_reported_with_their_locations() {
     for (check, message) in [
         ("kind = \"reech\"", "`reech` is not a valid `kind`"),
         ("name = \"x\"", "`check` has no `kind`"),
@@ -328,7 +328,7 @@ fn passages_of_a_gate_backwards_are_subtracted() {
 }
 
 #[test]
-fn a_run_without_any_time_shows_where_bodies_start() {
+fn checks_of_a_run_of_no_duration_use_the_start_positions() {
     let checks = "[[check]]\nkind = \"reach\"\nat_mm = [500, 500]\nwithin_mm = 1\n\
                   [[check]]\nkind = \"stays_in\"\narea_mm = [[1000, 0], [2000, 1000]]\n";
     let scratch = scene("", checks);
@@ -383,7 +383,7 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
 }
 
 #[test]
-fn what_a_program_prints_as_a_metric_is_in_the_report_and_decides_no_check() {
+fn printed_metrics_are_in_the_report_and_cannot_pass_a_check() {
     let check = "[[check]]\nkind = \"metric\"\npath = \"robots[0].metrics.laps\"\nmin = 1\n";
     let scratch =
         scene("printf(\"METRIC laps=1\\nMETRIC laps=4\\nMETRIC oops\\n\"); VWStraight(2000, 300); VWWait();", check);
@@ -433,7 +433,7 @@ fn programs_of_the_user_judge_runs() {
 }
 
 #[test]
-fn programs_that_give_no_verdict_break_the_check() {
+fn a_check_whose_program_gives_no_verdict_is_an_error() {
     for (script, keys, said) in [
         ("echo nonsense >&2; exit 3", "", "ended with exit status: 3: nonsense"),
         ("true", "", "printed no verdict; expected a line such as"),
@@ -458,7 +458,7 @@ fn programs_that_give_no_verdict_break_the_check() {
 }
 
 #[test]
-fn programs_of_checks_are_looked_for_before_the_run() {
+fn programs_of_checks_are_searched_before_the_run() {
     let scratch = scene("", "[[check]]\nkind = \"script\"\nprogram = \"grade\"\n");
     let check = |said: &str| {
         for command in ["check", "run"] {

@@ -50,7 +50,7 @@ fn files_are_replaced_only_by_force_and_sources_never() {
 }
 
 #[test]
-fn what_a_sim_cannot_hold_is_named() {
+fn keys_that_a_sim_file_cannot_express_are_named() {
     let scratch = scene();
     let toml = "[scene]\nseed = 7\n[world]\nfile = \"room.wld\"\n[[robot]]\ntype = \"S4\"\nprogram = \"prog.c\"\n\
                 arguments = [\"--fast\"]\nx_mm = 500\ny_mm = 500\n";
@@ -121,7 +121,7 @@ fn generations_survive_a_conversion() {
 }
 
 #[test]
-fn samples_and_scenes_of_others_run_the_same_once_converted() {
+fn converted_scenes_run_to_the_same_digests() {
     let scratch = Scratch::new();
     scratch.write("both.c", OF_BOTH);
     let corpus = root().join("../shared/eyesim/corpus");
@@ -202,7 +202,7 @@ fn a_world_becomes_an_occupancy_grid_and_a_world_again() {
 }
 
 #[test]
-fn a_robot_runs_through_the_scenarios_of_a_map() {
+fn a_robot_drives_all_scenarios_of_a_map() {
     let scratch = Scratch::new();
     scratch.write("hall.map", "type octile\nheight 2\nwidth 6\nmap\n......\n@@@@@.\n");
     scratch.write("hall.map.scen", "version 1\n0\thall.map\t6\t2\t0\t0\t4\t0\t4\n0\thall.map\t6\t2\t1\t0\t2\t0\t1\n");

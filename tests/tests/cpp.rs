@@ -131,7 +131,7 @@ fn exceptions_are_caught_within_the_program() {
 }
 
 #[test]
-fn an_uncaught_exception_fails_the_robot_alone() {
+fn an_uncaught_exception_fails_only_its_robot() {
     let thrown = |what: &str| {
         let source = format!(
             r#"
@@ -213,7 +213,7 @@ fn static_objects_live_as_long_as_the_program() {
 }
 
 #[test]
-fn a_program_that_holds_on_to_its_stop_is_left_all_the_same() {
+fn a_program_that_catches_its_stop_is_abandoned() {
     let body = |body: &str| {
         let source = format!("#include <iostream>\n#include \"eyebot.h\"\n{body}");
         let (report, ran) = run_cpp(&source, 2, &["--until", "1"], 0);

@@ -72,7 +72,7 @@ fn a_program_stops_at_a_line_and_a_function_and_the_run_is_the_same() {
 }
 
 #[test]
-fn without_a_place_it_stops_at_the_beginning() {
+fn without_a_breakpoint_the_debugger_stops_at_the_beginning() {
     if !has_gdb() {
         return;
     }
@@ -90,7 +90,7 @@ fn without_a_place_it_stops_at_the_beginning() {
 }
 
 #[test]
-fn what_cannot_be_debugged_is_said() {
+fn invalid_debug_requests_are_refused_with_a_reason() {
     let scratch = Scratch::new();
     write_scene(&scratch, &["drive.c"]);
     scratch.write("drive.c", PROGRAM);

@@ -93,7 +93,7 @@ fn the_end_of_a_slot_gives_the_same_digest_on_any_number_of_workers() {
 }
 
 #[test]
-fn who_watches_changes_nothing() {
+fn observers_do_not_change_the_digest() {
     let scratch = Scratch::new();
     write_crowd(&scratch, 9, AVOID);
     let first = digest(&scratch, &[]);
@@ -129,7 +129,7 @@ fn debug_and_release_give_the_same_digest() {
 }
 
 #[test]
-fn robots_with_numbers_give_the_same_run_in_whatever_order_they_are_listed() {
+fn robots_with_numbers_give_the_same_run_in_any_listed_order() {
     const RING: &str = "%sim%/robis/ring.robi";
     const WALL_C: &str = "%sim%/example-programs/follow-wall-c/follow-wall.c";
     const SQUARE_C: &str = "%sim%/example-programs/square-c/square.c";

@@ -254,7 +254,7 @@ fn walls_have_the_faces_that_their_thickness_says() {
 }
 
 #[test]
-fn the_sensors_of_every_dialect_look_where_they_should() {
+fn the_sensors_of_every_dialect_point_in_the_documented_directions() {
     let scratch = scratch();
     for robi in ["classic", "vr", "vr2022"] {
         scratch.write(&format!("{robi}.toml"), "[psd]\nrange_mm = 5000\n");
@@ -310,7 +310,7 @@ fn the_track_of_eyesim_vr_is_half_the_wheel_distance() {
 }
 
 #[test]
-fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
+fn one_robot_behaves_bit_identically_in_three_dialects() {
     let scratch = scratch();
     // Robot files of EyeSim VR give PSDs this range.
     scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
@@ -327,7 +327,7 @@ fn one_robot_in_three_dialects_behaves_to_the_bit_alike() {
 }
 
 #[test]
-fn what_only_the_window_shows_changes_nothing() {
+fn settings_for_the_window_do_not_change_the_digest() {
     let scratch = scratch();
     let scene = "S4 800 900 20 wander.c\n";
     let first = digest(&scratch, &format!("world room.wld\n{scene}"));
@@ -405,7 +405,7 @@ int main(int argc, char **argv) {
 "#;
 
 #[test]
-fn our_own_form_gives_programs_their_arguments() {
+fn toml_scenes_pass_arguments_to_programs() {
     let scratch = scratch();
     scratch.write("echo.c", ECHO);
     scratch.write(
@@ -440,7 +440,7 @@ fn our_own_form_gives_programs_their_arguments() {
 }
 
 #[test]
-fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
+fn one_robot_behaves_bit_identically_in_a_toml_scene() {
     let scratch = scratch();
     // Robot files of EyeSim VR give PSDs this range.
     scratch.write("classic.toml", "[psd]\nrange_mm = 9999\n");
@@ -458,7 +458,7 @@ fn one_robot_in_our_own_form_behaves_to_the_bit_alike() {
 }
 
 #[test]
-fn a_dialect_is_recognised_by_its_lines_and_mixing_them_harms_nothing() {
+fn each_line_determines_its_dialect_and_dialects_can_be_mixed() {
     let scratch = scratch();
     let robots = run(
         &scratch,
@@ -483,7 +483,7 @@ fn turner(phi: i32) -> String {
 }
 
 #[test]
-fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
+fn heading_0_is_along_y_in_2018_and_along_x_today() {
     let scratch = Scratch::new();
     scratch.write("room.wld", ROOM);
     let reported = |scene: &str, args: &[&str]| {

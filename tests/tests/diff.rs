@@ -79,7 +79,7 @@ fn runs_that_diverge_are_reported_with_their_cause_and_drawn() {
 }
 
 #[test]
-fn a_run_that_goes_on_longer_differs_and_a_broken_trace_is_compared_as_far_as_it_goes() {
+fn a_longer_run_differs_and_a_truncated_trace_is_compared_up_to_its_end() {
     let scratch = Scratch::new();
     run(&scratch, "a", &[]);
     run(&scratch, "b", &["--until", "1"]);

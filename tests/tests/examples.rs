@@ -86,7 +86,7 @@ fn wall_followers_pass_the_course() {
 }
 
 #[test]
-fn the_left_hand_leads_to_the_goal() {
+fn left_hand_rule_reaches_the_goal() {
     let robot = &run("maze-left-hand.sim", &[], "finished")[0];
     assert!(distance(pose(robot), [3.5 * 0.36, 3.5 * 0.36]) < 0.01, "{robot:#}");
     assert_eq!(contacts(robot), 0);
@@ -147,7 +147,7 @@ fn shortest_way(maze: &str) -> usize {
 }
 
 #[test]
-fn the_micro_mouse_races_on_the_shortest_way() {
+fn the_micro_mouse_races_along_the_shortest_path() {
     let robot = &run("maze-flood-fill.sim", &[], "finished")[0];
     let is_in_the_middle = |coordinate: f64| {
         let cells = coordinate / 0.36 - 0.5;
@@ -211,7 +211,7 @@ fn mecanum_wheels_drive_a_square_without_turning() {
 }
 
 #[test]
-fn every_bump_is_felt() {
+fn every_bump_is_detected() {
     let robot = &run("bounce.sim", &[], "finished")[0];
     assert!(contacts(robot) >= 4, "{robot:#}");
     assert_eq!(lcd_number(robot, 0), contacts(robot) as f64);
@@ -222,7 +222,7 @@ fn every_bump_is_felt() {
 }
 
 #[test]
-fn bumps_into_robots_are_felt_too() {
+fn bumps_into_robots_are_detected_too() {
     let robots = Scratch::new().report(&scene("demo.sim"), &["--until", "45"], 0);
     let feeler = &robots["robots"][3];
     assert!(contacts(feeler) > 0);
@@ -252,7 +252,7 @@ fn the_metronome_beats_and_obeys_its_keys() {
 }
 
 #[test]
-fn the_controller_makes_a_lagging_robot_quicker() {
+fn the_controller_speeds_up_a_robot_with_lag() {
     let robot = &run("step-response.sim", &[], "finished")[0];
     // In open loop, 90 % of the speed takes 80 ms times ln 10 = 184 ms. Add less than one tick until the command takes
     // effect, and up to 10 ms, the period at which the program reads the speed.

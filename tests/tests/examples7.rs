@@ -36,7 +36,7 @@ fn the_quad_tree_leads_through_the_flat() {
 }
 
 #[test]
-fn there_is_no_way_out() {
+fn an_unreachable_goal_is_reported() {
     // 6 m is beyond the grid of 5.12 m.
     for (scene, goal) in [("quad-tree.sim", "5000 5000"), ("brushfire.sim", "6000 6000"), ("brushfire.sim", "-10 500")]
     {

@@ -89,7 +89,7 @@ fn a_loop_that_waits_for_a_timer_gets_the_advice_to_make_calls() {
 }
 
 #[test]
-fn what_counts_is_the_time_between_two_waits_also_of_a_robot_alone() {
+fn the_timeout_applies_between_two_waits_also_for_a_single_robot() {
     let scratch = Scratch::new();
     let scene = write_scene(&scratch, &["busy.c"]);
     scratch.write(
@@ -126,7 +126,7 @@ fn a_division_by_zero_and_a_wild_pointer_are_reported() {
 
 /// On a fiber, the call fills the picture on the stack of the worker, above which there is no frame of the program.
 #[test]
-fn a_picture_into_a_wild_pointer_names_the_line_of_the_call() {
+fn an_image_written_through_a_wild_pointer_names_the_line_of_the_call() {
     let scratch = Scratch::new();
     scratch.write(
         "broken.c",
@@ -144,7 +144,7 @@ fn a_picture_into_a_wild_pointer_names_the_line_of_the_call() {
 
 /// The stack of a crashed function of the C library contains return addresses of the last call of RoBIOS.
 #[test]
-fn a_crash_in_the_c_library_names_its_own_line() {
+fn a_crash_in_the_c_library_names_the_programs_line() {
     let scratch = Scratch::new();
     let text = "#include \"eyebot.h\"\n#include <stdio.h>\nint main(void) {\n    int x;\n    VWStraight(100, 100);\n    VWWait();\n    \
                 FILE *f = fopen(\"none.txt\", \"r\");\n    fscanf(f, \"%d\", &x);\n    return 0;\n}\n";
@@ -296,7 +296,7 @@ fn memory_written_beyond_its_end_is_reported_where_it_is_freed() {
 }
 
 #[test]
-fn memory_that_the_c_library_or_a_program_makes_longer_is_not_a_mistake() {
+fn memory_that_is_reallocated_is_not_reported() {
     let source = r#"#include "eyebot.h"
 #include <assert.h>
 int main(void)

@@ -29,7 +29,7 @@ fn printed(scratch: &Scratch, trace: &str) -> String {
 }
 
 #[test]
-fn faults_do_what_the_page_says() {
+fn faults_act_as_documented() {
     let (scratch, scene, faults) = room();
     let with =
         |word: &str| faults.iter().find(|fault| fault.contains(&format!("kind = \"{word}\""))).expect("an example");

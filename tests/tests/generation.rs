@@ -16,7 +16,7 @@ fn run(text: &str, args: &[&str]) -> (Scratch, Ran) {
 }
 
 #[test]
-fn functions_tell_the_generation_once_when_it_compiles() {
+fn the_generation_is_printed_once_at_compilation() {
     let (scratch, ran) = run(OF_7, &[]);
     assert!(ran.stderr.contains("maze.c: RoBIOS-7 (VWStraight, VWWait)\n"), "{ran:#?}");
     let again = scratch.eyesim(&["run", "scene.sim"]);
@@ -26,7 +26,7 @@ fn functions_tell_the_generation_once_when_it_compiles() {
 }
 
 #[test]
-fn the_dialect_tells_it_where_functions_do_not() {
+fn the_dialect_determines_the_generation_if_functions_do_not() {
     let (scratch, ran) = run(OF_BOTH, &[]);
     assert!(ran.stderr.contains("maze.c: RoBIOS 6, as the sim file is"), "{ran:#?}");
     scratch.write("vr.sim", "world room.wld\nS4 1000 1000 0 maze.x\n");

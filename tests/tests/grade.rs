@@ -171,7 +171,7 @@ impl Office {
 }
 
 #[test]
-fn a_class_has_a_row_for_everybody_whatever_was_handed_in() {
+fn a_class_has_a_row_for_every_student_for_any_submission() {
     if tests::lacks_sandbox() {
         return;
     }
@@ -262,7 +262,7 @@ fn pages_are_harmless(output: &Path) {
 }
 
 #[test]
-fn a_class_in_one_archive_is_graded_and_hidden_seeds_stay_hidden() {
+fn submissions_in_one_archive_are_graded_and_hidden_seeds_stay_hidden() {
     if tests::lacks_sandbox() {
         return;
     }
@@ -372,7 +372,7 @@ fn replays_have_the_files_that_options_name() {
 }
 
 #[test]
-fn a_check_that_is_met_has_no_message_of_another() {
+fn a_passed_check_does_not_show_the_message_of_a_failed_one() {
     if tests::lacks_sandbox() {
         return;
     }

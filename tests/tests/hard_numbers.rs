@@ -20,12 +20,12 @@ fn run(fixture: &str) {
 }
 
 #[test]
-fn no_float_of_robios_6_does_harm() {
+fn extreme_floats_do_no_harm_in_robios_6() {
     run("ugly-floats.c");
 }
 
 #[test]
-fn no_int_of_robios_7_does_harm() {
+fn extreme_integers_do_no_harm_in_robios_7() {
     run("ugly-ints.c");
 }
 

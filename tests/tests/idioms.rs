@@ -105,7 +105,7 @@ const IDIOMS: &[(&str, &str, &[&str])] = &[
 ];
 
 #[test]
-fn programs_in_the_wild_print_what_they_mean() {
+fn programs_with_common_idioms_print_what_they_intend() {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let has_python =
         std::process::Command::new(&python).arg("--version").output().is_ok_and(|out| out.status.success());

@@ -117,7 +117,7 @@ fn the_pictures_are_those_that_the_command_writes() {
 }
 
 #[test]
-fn the_table_is_that_of_the_pictures() {
+fn the_table_of_the_page_matches_the_pictures() {
     let page = fs::read_to_string(root().join("docs/image-noise.md")).expect("a page");
     let original = read(&committed(), "none");
     let rows = NAMES.map(|name| Statistics::new(&original, &read(&committed(), name)).row(name));
@@ -134,7 +134,7 @@ fn assert_near(found: f64, said: f64, standard_error: f64) {
 }
 
 #[test]
-fn the_noise_is_that_of_the_profiles() {
+fn the_noise_of_the_images_matches_the_profiles() {
     let original = read(&committed(), "none");
     let of = |name| Statistics::new(&original, &read(&committed(), name));
     let pixels = f64::from(original.width() * original.height());

@@ -110,7 +110,7 @@ fn the_text_may_come_through_a_pipe_and_a_rust_program_reads_it() {
 }
 
 #[test]
-fn an_empty_input_is_reported_and_no_loop_at_its_end_goes_on() {
+fn an_empty_input_is_reported_and_loops_at_its_end_are_stopped() {
     let scratch = Scratch::new();
     let run = |text: &str, args: &[&str]| {
         scratch.write("a.c", &format!("#include <stdio.h>\n#include \"eyebot.h\"\nint main() {{ {text} }}\n"));

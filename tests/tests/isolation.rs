@@ -61,7 +61,7 @@ fn random_numbers_are_the_robots_own_and_do_not_depend_on_threads() {
 }
 
 #[test]
-fn exit_ends_the_robot_alone() {
+fn exit_ends_only_its_robot() {
     let source = r#"
         #include <stdio.h>
         #include <stdlib.h>

@@ -174,7 +174,7 @@ fn a_relay_by_radio() {
 }
 
 #[test]
-fn all_words_of_the_relay_and_placed_robots_get_no_points() {
+fn guessed_words_and_placed_robots_get_no_points() {
     const PROGRAM: &str = r"from eye import *
 SIMSetRobot(0, 500, 500, 0, 0)
 RADIOInit()
@@ -191,7 +191,7 @@ RADIORelease()
 }
 
 #[test]
-fn a_robot_may_drive_home_after_the_race() {
+fn a_robot_may_return_after_the_race() {
     let home = "steps = flood(START, False)\nwhile cell != START:\n    go(downhill(steps, False), 300)\n";
     let race = fs::read_to_string(root().join("labs/10-maze/solutions/maze.py")).expect("the solution");
     judge_other("10-maze", "1", &format!("{race}{home}"), POINTS, &[]);

@@ -78,7 +78,7 @@ fn standing_knee() -> f64 {
 }
 
 #[test]
-fn a_standing_biped_is_what_trigonometry_says() {
+fn joint_angles_and_link_poses_of_a_standing_biped_match_trigonometry() {
     let scratch = Scratch::new();
     scratch.write(
         "stand.c",
@@ -338,7 +338,7 @@ int main(void)
 }
 
 #[test]
-fn no_number_does_harm() {
+fn extreme_numbers_do_no_harm() {
     let scratch = Scratch::new();
     scratch.write(
         "ugly.c",
@@ -407,7 +407,7 @@ fn a_speed_beyond_the_legs_is_slowed_down_as_a_whole() {
 }
 
 #[test]
-fn python_reads_the_same_as_c() {
+fn leg_functions_give_the_same_in_python() {
     if !Command::new("python3").arg("-V").output().is_ok_and(|output| output.status.success()) {
         eprintln!("skipped: no python3");
         return;

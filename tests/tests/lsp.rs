@@ -171,7 +171,7 @@ fn mistakes_of_named_files_appear_in_those_files() {
 }
 
 #[test]
-fn words_complete_are_explained_and_lead_to_their_files() {
+fn words_are_completed_explained_and_linked_to_their_files() {
     let scene = "[world]\nfile = \"a.wld\"\n\n[[robot]]\ntype = \"S4\"\n\n[[check]]\nkind = \"reach\"\n";
     let mut editor = Editor::start(&[("a.wld", WORLD), ("drive.c", "")], &json!(null));
     editor.open("x.sim", SIM);
@@ -201,7 +201,7 @@ fn words_complete_are_explained_and_lead_to_their_files() {
 }
 
 #[test]
-fn odd_clients_do_no_harm() {
+fn invalid_requests_of_clients_do_no_harm() {
     let mut editor = Editor::start(&[("Cargo.toml", "")], &json!(["utf-16", "utf-32"]));
     assert_eq!(editor.ask("textDocument/rename", json!({}))["code"], -32601);
     assert_eq!(editor.ask("textDocument/hover", json!({ "what": 1 }))["code"], -32602);

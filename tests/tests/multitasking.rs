@@ -191,7 +191,7 @@ fn assert_same_everywhere(source: &str, expected: &[&str]) {
 }
 
 #[test]
-fn the_classic_example_interleaves_alike_every_time() {
+fn the_classic_example_interleaves_identically_every_time() {
     let expected = [
         "start",
         "slave 3 : 1 at 0",
@@ -215,7 +215,7 @@ fn the_classic_example_interleaves_alike_every_time() {
 }
 
 #[test]
-fn the_same_in_cooperative_mode() {
+fn the_classic_example_in_cooperative_mode() {
     let expected = [
         "start",
         "slave 3 : 1 at 0",
@@ -307,7 +307,7 @@ int main(void)
 }
 
 #[test]
-fn a_wait_keeps_the_processor_where_tasks_cooperate() {
+fn a_wait_keeps_the_processor_from_cooperative_tasks() {
     let lines = output_of(
         "
 static void one(void) { printf(\"one\\n\"); OSWait(10); printf(\"waited\\n\"); OSSleep(10); printf(\"slept\\n\"); }
@@ -362,7 +362,7 @@ int main(void)
 }
 
 #[test]
-fn a_killed_task_unwinds_before_its_killer_goes_on() {
+fn a_killed_task_unwinds_before_its_killer_continues() {
     let source = "
 struct Guard {
     const char *name;
@@ -442,7 +442,7 @@ int main()
 }
 
 #[test]
-fn a_task_that_ends_goes_on_ending_whatever_its_handlers_call() {
+fn a_task_continues_to_end_for_any_call_of_its_handlers() {
     let source = "
 #include <pthread.h>
 static struct tcb none;
@@ -561,7 +561,7 @@ int main(void)
 }
 
 #[test]
-fn the_others_go_on_beside_a_deadlock_and_waits_for_the_world_end_the_run() {
+fn other_robots_continue_after_a_deadlock_and_endless_waits_end_the_run() {
     let scratch = Scratch::new();
     scratch.write("stuck.c", &with_headers("int main(void) { OSMTInit(COOP); OSSuspend(0); return 0; }\n"));
     scratch.write("works.c", &with_headers("int main(void) { OSWait(100); printf(\"worked\\n\"); return 0; }\n"));
@@ -591,7 +591,7 @@ int main(void)
 }
 
 #[test]
-fn two_hundred_tasks_in_busy_waits_take_turns_on_paper() {
+fn turns_of_two_hundred_tasks_in_busy_waits_are_computed() {
     let lines = output_of(
         "
 static int ended;
@@ -707,7 +707,7 @@ int main(void) { OSMTInit(PREEMPT); OSReady(OSSpawn(\"late\", waits, 0, 1, 0)); 
 }
 
 #[test]
-fn ugly_programs_end_with_a_message() {
+fn hostile_task_programs_end_with_a_message() {
     // Kills between all tasks, from destructors and timers, never cause a hang or another exit code.
     let ends = |source: &str| {
         for exec in ["thread", "process"] {

@@ -177,7 +177,7 @@ fn another_robot_changes_no_reading_of_the_others() {
 }
 
 #[test]
-fn a_profile_of_one_sensor_changes_that_one_alone() {
+fn a_profile_of_one_sensor_changes_only_that_sensor() {
     let scratch = Scratch::new();
     write(&scratch);
     let before = run(&scratch, &[]);
@@ -208,7 +208,7 @@ fn how_often_and_in_what_order_sensors_are_read_changes_no_reading() {
 }
 
 #[test]
-fn threads_and_slots_and_repetition_change_nothing() {
+fn noise_is_independent_of_threads_and_slots_and_repeatable() {
     let scratch = Scratch::new();
     write(&scratch);
     let third = "[[robot]]\ntype = \"first.robi\"\nprogram = \"look.c\"\napi = 6\ncount = 6\nlayout = { \
@@ -229,7 +229,7 @@ fn threads_and_slots_and_repetition_change_nothing() {
 }
 
 #[test]
-fn profiles_that_are_wrong_are_refused_with_the_place_and_what_is_expected() {
+fn invalid_profiles_are_refused_with_location_and_what_is_expected() {
     let scratch = Scratch::new();
     write(&scratch);
     for (profile, place_word, expected) in [
@@ -256,7 +256,7 @@ fn profiles_that_are_wrong_are_refused_with_the_place_and_what_is_expected() {
 }
 
 #[test]
-fn what_a_profile_says_in_vain_is_a_warning() {
+fn unused_entries_of_a_profile_are_warnings() {
     let scratch = Scratch::new();
     write(&scratch);
     for (profile, said) in [
@@ -276,7 +276,7 @@ fn what_a_profile_says_in_vain_is_a_warning() {
 }
 
 #[test]
-fn a_profile_that_is_nowhere_or_none_is_refused() {
+fn missing_and_invalid_profiles_are_refused() {
     let scratch = Scratch::new();
     write(&scratch);
     for (noise, said) in [
@@ -298,7 +298,7 @@ fn a_profile_that_is_nowhere_or_none_is_refused() {
 }
 
 #[test]
-fn robots_come_back_the_less_exactly_the_greater_their_errors_are() {
+fn the_return_error_grows_with_the_errors_of_the_drive() {
     let scratch = Scratch::new();
     let scene = root().join("sims/umbmark.scene.toml");
     let report = scratch.report(scene.to_str().expect("a text"), &[], 0);
@@ -346,7 +346,7 @@ fn the_picture_is_the_one_that_the_scene_draws() {
 }
 
 #[test]
-fn drives_miss_their_targets_within_the_bounds_of_a_course_and_odometry_tells_it() {
+fn drives_miss_their_targets_within_the_bounds_of_the_course_and_odometry_shows_it() {
     const DRIVE: &str = "#include \"eyebot.h\"\n#include <stdio.h>\nint main() {\n int x, y, phi, i;\n \
         for (i = 0; i < 5; i++) {\n VWStraight(300, 200); VWWait(); VWTurn(-72, 80); VWWait();\n \
         VWGetPosition(&x, &y, &phi); printf(\"%d %d %d\\n\", x, y, phi);\n }\n return 0;\n}\n";

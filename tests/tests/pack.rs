@@ -158,7 +158,7 @@ fn files_that_cannot_be_packed_or_opened_are_reported() {
 }
 
 #[test]
-fn programs_of_checks_are_packed_and_run_if_they_may() {
+fn programs_of_checks_are_packed_and_run_only_with_permission() {
     let course = course();
     let scene = course.read("course/lab/lab.scene.toml");
     let check = "[[check]]\nkind = \"script\"\nprogram = \"tools/grade.py\"\n";

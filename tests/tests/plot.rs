@@ -43,7 +43,7 @@ fn a_sim_is_drawn_with_walls_robots_beams_and_programs() {
 }
 
 #[test]
-fn pictures_are_to_scale_and_of_the_size_asked_for() {
+fn pictures_are_to_scale_and_have_the_requested_size() {
     let scratch = Scratch::new();
     // A long corridor; one wall has a thickness and a colour.
     scratch.write("hall.wld", "floor 12000 2000\n0 0 12000 0\n0 0 0 2000\n3000 500 5000 500 400 200 200 30 30\n");
@@ -114,7 +114,7 @@ fn mistakes_are_reported_and_the_rest_is_drawn() {
 }
 
 #[test]
-fn what_cannot_be_done_is_said() {
+fn invalid_requests_are_reported() {
     let scratch = Scratch::new();
     scratch.write("a.wld", "floor 1000 1000\n");
     scratch.write("a.svg.wld", "floor 1000 1000\n");
@@ -139,7 +139,7 @@ fn what_cannot_be_done_is_said() {
 }
 
 #[test]
-fn the_data_files_have_pictures() {
+fn every_data_file_can_be_drawn() {
     let scratch = Scratch::new();
     let mut drawn = 0;
     for folder in ["sims", "worlds", "robis"] {

@@ -31,7 +31,7 @@ fn example_programs_give_the_digest_that_they_give_on_threads() {
 }
 
 #[test]
-fn output_past_the_simulator_is_cut_and_cannot_change_the_terminal() {
+fn output_that_bypasses_the_simulator_is_truncated_and_escaped() {
     let scratch = Scratch::new();
     let program = "#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\nstatic char many[3 << 20];\n\
         int main(void)\n{\n    syscall(SYS_write, 2, \"\\033[2Jraw\\n\", 8);\n    memset(many, 'x', sizeof many);\n\
@@ -91,7 +91,7 @@ const MANY_CALLS: &str = r#"
     }"#;
 
 #[test]
-fn timers_keys_console_arguments_exit_codes_and_assertions_are_as_on_threads() {
+fn timers_keys_console_arguments_exit_codes_and_assertions_work_as_on_threads() {
     let scratch = Scratch::new();
     scratch.write("prog.c", MANY_CALLS);
     write_scene(&scratch, &["prog.c"; 4]);
@@ -111,7 +111,7 @@ fn timers_keys_console_arguments_exit_codes_and_assertions_are_as_on_threads() {
 }
 
 #[test]
-fn a_rust_program_that_panics_is_as_on_a_thread() {
+fn a_rust_program_that_panics_in_a_process_ends_as_on_a_thread() {
     let scratch = Scratch::new();
     let api = tests::root().join("robios-api");
     scratch.write(
@@ -163,7 +163,7 @@ fn reason(report: &Value) -> &str {
 }
 
 #[test]
-fn a_null_write_ends_its_robot_alone_and_is_reported_with_its_line() {
+fn a_null_write_ends_only_its_robot_and_is_reported_with_its_line() {
     let (report, ran) = break_one(
         "#include \"eyebot.h\"\nint main(void) {\n    int *p = 0;\n    VWHandle vw = VWInit(VW_DRIVE, 1);\n    VWSetSpeed(vw, 0.1, 0);\n\
          OSWait(100);\n    *p = 1;\n    return 0;\n}\n",
@@ -180,7 +180,7 @@ fn a_null_write_ends_its_robot_alone_and_is_reported_with_its_line() {
 }
 
 #[test]
-fn an_endless_loop_and_a_sleep_in_the_kernel_end_their_robot_alone() {
+fn an_endless_loop_and_a_sleep_in_the_kernel_end_only_their_robot() {
     let (report, _) = break_one(
         "#include \"eyebot.h\"\nint main(void) {\n    OSWait(50);\n    while (1)\n        ;\n    return 0;\n}\n",
         &["--timeout", "0.5"],
@@ -213,7 +213,7 @@ fn a_program_that_stops_its_own_process_is_reported_and_ended() {
 }
 
 #[test]
-fn a_stack_overflow_and_an_exit_behind_the_back_of_eyesim_end_their_robot_alone() {
+fn a_stack_overflow_and_a_direct_exit_end_only_their_robot() {
     let (report, _) = break_one(
         "#include \"eyebot.h\"\nint deep(int n) { volatile char pad[4096]; pad[0] = n; return deep(n + 1) + pad[0]; }\n\
          int main(void) { OSWait(10); return deep(0); }\n",
@@ -234,7 +234,7 @@ fn a_stack_overflow_and_an_exit_behind_the_back_of_eyesim_end_their_robot_alone(
 }
 
 #[test]
-fn a_library_that_cannot_be_loaded_is_refused_in_the_same_words() {
+fn a_library_that_cannot_be_loaded_gives_the_same_message_in_a_process() {
     let scratch = Scratch::new();
     let source = scratch.write("classic.c", "int VWInit(int, int); int main(void) { return VWInit(1, 1); }\n");
     let library = scratch.path().join("prog.so");
@@ -341,7 +341,7 @@ fn a_host_that_is_killed_leaves_no_process() {
 }
 
 #[test]
-fn a_crowd_in_processes_gives_one_digest_twenty_times() {
+fn many_robots_in_processes_give_the_same_digest_twenty_times() {
     let scratch = Scratch::new();
     write_crowd(&scratch, 6, "%sim%/example-programs/avoid");
     let (first, _) = run(&scratch, "crowd.sim", &["--until", "5"], 0);

@@ -140,7 +140,7 @@ fn names_of_parameters_are_also_those_of_eyesim_vr() {
 }
 
 #[test]
-fn a_loop_that_only_polls_takes_longer_steps_of_time() {
+fn polling_loops_advance_time_in_longer_steps() {
     if !has_python() {
         return;
     }
@@ -155,7 +155,7 @@ fn a_loop_that_only_polls_takes_longer_steps_of_time() {
 }
 
 #[test]
-fn what_c_writes_through_pointers_is_returned() {
+fn output_parameters_of_c_are_returned_in_python() {
     if !has_python() {
         return;
     }
@@ -233,7 +233,7 @@ fn time_and_random_numbers_are_the_robots_own() {
 }
 
 #[test]
-fn what_a_program_raises_ends_that_robot_with_its_traceback() {
+fn an_uncaught_exception_ends_its_robot_with_a_traceback() {
     if !has_python() {
         return;
     }
@@ -258,7 +258,7 @@ fn what_a_program_raises_ends_that_robot_with_its_traceback() {
 }
 
 #[test]
-fn what_a_timer_raises_is_raised_by_the_call_that_it_interrupts() {
+fn an_exception_of_a_timer_is_raised_by_the_interrupted_call() {
     if !has_python() {
         return;
     }
@@ -301,7 +301,7 @@ fn a_program_that_is_not_python_or_has_no_interpreter_is_reported() {
 }
 
 #[test]
-fn an_own_eye_py_beside_the_program_is_not_taken() {
+fn a_file_eye_py_beside_the_program_is_not_imported() {
     if !has_python() {
         return;
     }
@@ -326,7 +326,7 @@ fn an_own_eye_py_beside_the_program_is_not_taken() {
 }
 
 #[test]
-fn a_copy_of_our_module_beside_the_program_needs_no_hint() {
+fn a_copy_of_our_module_beside_the_program_causes_no_hint() {
     if !has_python() {
         return;
     }
@@ -338,7 +338,7 @@ fn a_copy_of_our_module_beside_the_program_needs_no_hint() {
 }
 
 #[test]
-fn a_wrong_number_of_arguments_is_answered_by_the_names_of_the_parameters() {
+fn a_wrong_number_of_arguments_is_reported_with_the_names_of_the_parameters() {
     if !has_python() {
         return;
     }

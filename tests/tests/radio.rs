@@ -187,7 +187,7 @@ fn robios_7_answers_as_documented() {
 }
 
 #[test]
-fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
+fn receiving_with_a_timer_and_with_a_drive_in_progress() {
     // A timer runs on while its program waits for a message, and the program receives the message at its time.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
@@ -326,7 +326,7 @@ fn the_radio_ends_with_its_program() {
 }
 
 #[test]
-fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
+fn messages_in_flight_at_the_end_of_the_run_are_in_the_trace() {
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
     scratch.write("receiver.c", RECEIVER);
@@ -468,7 +468,7 @@ thread.join()
 }
 
 #[test]
-fn what_a_robios_7_program_sent_goes_out_after_its_end() {
+fn sent_messages_of_a_robios_7_program_are_transmitted_after_its_end() {
     let leader = "
         #include \"eyebot.h\"
         int main(void)

@@ -114,7 +114,7 @@ fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
 }
 
 #[test]
-fn messages_come_when_they_should_and_the_same_everywhere() {
+fn messages_arrive_on_time_and_identically_on_every_kind_of_flow() {
     for (slot, baud, latency) in [(1, 115_200, 0), (7, 38_400, 2_500), (50, 115_200, 0), (200, 9_600, 100_000)] {
         let tables = format!(
             "[scene]\nnoise = {{ radio = {{ packet_loss = 0.1 }} }}\n\
@@ -258,7 +258,7 @@ fn garbled_messages_arrive_garbled_and_lost_ones_do_not() {
 }
 
 #[test]
-fn of_messages_that_meet_in_the_air_none_is_heard() {
+fn colliding_messages_are_lost_except_on_the_free_medium() {
     let sender = |ms: u32| {
         format!(
             "#include \"eyebot.h\"\nint main(void) {{ RADIOInit(); OSWait({ms}); RADIOSend(3, \"123\"); OSWait(200); return 0; }}"

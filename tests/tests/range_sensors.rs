@@ -76,7 +76,7 @@ fn assert_sweep(lines: &[String]) {
 }
 
 #[test]
-fn the_sensors_of_the_paper_see_the_step_as_the_closed_forms_say() {
+fn readings_of_the_papers_sensors_at_the_step_match_closed_forms() {
     let lines = &printed(&Scratch::new(), &scene("step.scene.toml"), &[])[0][1..];
     assert_sweep(lines);
     let column = |at: usize| lines.iter().map(move |line| numbers(line)[at]);
@@ -127,7 +127,7 @@ fn robios_6_reads_them_in_cycles() {
 }
 
 #[test]
-fn python_reads_them() {
+fn python_programs_read_the_sensors() {
     if !Command::new("python3").arg("-V").output().is_ok_and(|output| output.status.success()) {
         eprintln!("skipped: no python3");
         return;
@@ -190,7 +190,7 @@ int main(void)
 "#;
 
 #[test]
-fn edges_of_our_functions() {
+fn our_functions_check_their_arguments() {
     let scratch = Scratch::new();
     with_program(&scratch, "edges.c", EDGES, "api = 6");
     let lines = printed(&scratch, "step.scene.toml", &[]).remove(0);

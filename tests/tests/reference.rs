@@ -35,17 +35,17 @@ fn check(scene: &str) {
 }
 
 #[test]
-fn the_examples_of_robios_6_print_what_they_say() {
+fn the_examples_of_robios_6_print_the_documented_output() {
     check("robios6.sim");
 }
 
 #[test]
-fn the_examples_of_robios_7_print_what_they_say() {
+fn the_examples_of_robios_7_print_the_documented_output() {
     check("robios7.sim");
 }
 
 #[test]
-fn the_examples_of_robios_7_in_python_print_the_same() {
+fn the_examples_of_robios_7_in_python_print_the_output_of_those_in_c() {
     check("robios7-python.sim");
     for example in fs::read_dir(root().join("docs/examples/robios7")).expect("the examples") {
         let path = example.expect("an example").path();

@@ -66,7 +66,7 @@ int main(void) {
 "#;
 
 #[test]
-fn a_robot_that_is_put_elsewhere_goes_on_from_there() {
+fn a_placed_robot_continues_from_its_new_pose() {
     let scratch = Scratch::new();
     scratch.write("twice.c", TWICE);
     write_scene(&scratch, &["twice.c"]);
@@ -93,7 +93,7 @@ fn a_robot_that_is_put_elsewhere_goes_on_from_there() {
 }
 
 #[test]
-fn a_key_that_a_hand_presses_wakes_who_waits_for_it() {
+fn a_key_press_by_a_user_wakes_the_waiting_program() {
     let scratch = Scratch::new();
     scratch.write("key.c", "#include \"eyebot.h\"\nint main(void) { KEYWait(KEY2); KEYGet(); return 0; }\n");
     write_scene(&scratch, &["key.c", "key.c"]);
@@ -131,7 +131,7 @@ fn remote_keys_and_touches_reach_programs_of_robios_7() {
 }
 
 #[test]
-fn errors_begin_and_end_when_a_hand_says_so() {
+fn errors_begin_and_end_when_a_user_sets_them() {
     let scratch = Scratch::new();
     let drive = "#include \"eyebot.h\"\nint main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWSetSpeed(vw, 0.2, 0); OSWait(300);\n\
                  VWSetSpeed(vw, 0, 0); OSWait(10); return 0; }\n";
@@ -168,7 +168,7 @@ int main(void) {
 "#;
 
 #[test]
-fn a_sensor_that_is_off_sees_nothing_and_counts_nothing() {
+fn a_sensor_that_is_switched_off_measures_and_counts_nothing() {
     let scratch = Scratch::new();
     scratch.write("sense.c", SENSE);
     write_scene(&scratch, &[]);
@@ -225,7 +225,7 @@ fn an_object_that_is_put_elsewhere_is_seen_there() {
 }
 
 #[test]
-fn a_hand_ends_the_run() {
+fn a_user_ends_the_run() {
     let scratch = Scratch::new();
     scratch.write("twice.c", TWICE);
     write_scene(&scratch, &["twice.c"]);
@@ -240,7 +240,7 @@ fn a_hand_ends_the_run() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused_and_leaves_no_trace() {
+fn impossible_interventions_are_refused_without_effect() {
     let scratch = Scratch::new();
     scratch.write("twice.c", TWICE);
     write_scene(&scratch, &["twice.c"]);
@@ -346,7 +346,7 @@ fn random_hand(seed: u64) -> Vec<(f64, Value)> {
 }
 
 #[test]
-fn thirty_interventions_of_whatever_kind_give_the_same_digest_again() {
+fn thirty_interventions_of_all_kinds_repeat_to_the_same_digest() {
     let scratch = Scratch::new();
     scratch.write("busy.c", BUSY);
     write_scene(&scratch, &[]);

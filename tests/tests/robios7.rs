@@ -114,7 +114,7 @@ fn fixtures_compile_without_a_warning() {
 }
 
 #[test]
-fn a_course_program_runs() {
+fn a_program_of_the_university_course_runs() {
     let scratch = Scratch::new();
     scratch.write("room.wld", ROOM);
     scratch.write("course.c", &text_of("course.c"));
@@ -460,7 +460,7 @@ fn sounds_and_inputs_are_those_of_files() {
 }
 
 #[test]
-fn motors_go_on_when_a_program_has_ended_with_0() {
+fn motors_continue_when_a_program_has_ended_with_0() {
     let end = |body: &str, args: &[&str], code| {
         let report = scene_of(&format!("int main(void) {{ {body} return 0; }}")).report("bare.sim", args, code);
         let robot = &report["robots"][0];

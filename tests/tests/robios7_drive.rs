@@ -143,7 +143,7 @@ fn a_thousand_squares_end_where_they_began() {
 }
 
 #[test]
-fn what_remains_is_0_only_when_the_drive_is_done() {
+fn vwremain_is_0_only_when_the_drive_is_done() {
     let program = "static void follow(int whole)\n{\n    int left = VWRemain(), before = whole, count = 0;\n    \
                    CHECK(left > whole * 9 / 10 && left <= whole);\n    while ((left = VWRemain()) > 0) {\n        CHECK(left <= before); \
                    before = left; count++;\n    }\n    IS(VWDone(), 1); CHECK(count > 50); CHECK(before < 10);\n}\nint main(void)\n{\n    \
@@ -156,7 +156,7 @@ fn what_remains_is_0_only_when_the_drive_is_done() {
 }
 
 #[test]
-fn what_cannot_be_driven_is_refused_and_explained() {
+fn impossible_drives_are_refused_and_explained() {
     let ran = messages(
         "int main(void)\n{\n    IS(VWStraight(0.3, 0.2), 1); IS(VWTurn(90, 0), 1); IS(VWCurve(0, 90, 100), 1); \
                         IS(VWDrive(100, 0, 0), 1);\n    IS(VWDone(), 1); IS(VWControl(70, 30, 70, 10), 0); \
@@ -280,7 +280,7 @@ fn company(program: &str, second: &str) -> Scratch {
 const IDLE: &str = "int main(void) { rest(); return VWStalled(); }\n";
 
 #[test]
-fn robots_and_objects_are_numbered_on() {
+fn objects_are_numbered_after_the_robots_in_robios7() {
     let program = "static void pose(void get(int, int *, int *, int *, int *), int id, int x, int y, int phi)\n{\n    int a = -1, b = -1, c = -1, d = -1;\n    \
                    get(id, &a, &b, &c, &d); IS(a, x); IS(b, y); IS(c, 0); IS(d, phi); get(id, NULL, NULL, NULL, NULL);\n}\n\
                    static void get_object(int id, int *x, int *y, int *z, int *phi) { SIMGetObject(id, x, y, z, phi); }\n\
@@ -300,7 +300,7 @@ fn robots_and_objects_are_numbered_on() {
 }
 
 #[test]
-fn robots_and_objects_are_put_elsewhere() {
+fn programs_place_robots_and_objects() {
     let program = "int main(void)\n{\n    int x, y, phi;\n    VWStraight(300, 300); VWWait(); SIMSetRobot(0, 500, 600, 0, -90); SIMGetRobot(0, &x, &y, NULL, &phi); \
                    IS(x, 500); IS(y, 600); IS(phi, -90);\n    VWGetPosition(&x, &y, &phi); IS(x, 300); IS(phi, 0); IS(PSDGet(1), 540);\n    \
                    VWStraight(-300, 300); VWWait(); SIMGetRobot(1, &x, &y, NULL, &phi); IS(y, 900);\n    \

@@ -85,7 +85,7 @@ fn outputs_do_not_overwrite_inputs_or_each_other() {
 }
 
 #[test]
-fn a_report_that_cannot_be_written_keeps_no_plot_from_being_written() {
+fn the_plot_is_written_even_if_the_report_cannot_be_written() {
     let scratch = scene("return 0;");
     let ran = scratch.eyesim(&["run", "scene.sim", "--report", "/dev/full", "--plot", "p.svg"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
@@ -115,7 +115,7 @@ fn an_argument_that_is_not_text_is_named() {
 }
 
 #[test]
-fn a_hyphen_is_no_file() {
+fn a_hyphen_is_not_a_file_name() {
     let scratch = scene("return 0;");
     for args in [
         &["run", "scene.sim", "--trace", "-"][..],
@@ -218,7 +218,7 @@ fn wrong_arguments_are_named_with_what_is_accepted() {
 }
 
 #[test]
-fn a_drive_against_a_wall_ends_as_a_wait_that_nothing_can_end() {
+fn a_program_that_waits_for_a_stalled_drive_ends_as_waiting() {
     let scratch = scene("VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 9, 0.5); VWDriveWait(vw); return 0;");
     let report = scratch.report("scene.sim", &["--contact", "stall"], 1);
     let robot = &report["robots"][0];
@@ -246,7 +246,7 @@ fn a_drive_against_a_wall_ends_when_the_wheels_have_turned_far_enough() {
 }
 
 #[test]
-fn a_program_of_the_command_line_takes_the_place_of_the_scenes() {
+fn program_option_replaces_the_program_of_the_scene() {
     let scratch = scene("return 3;");
     let echo = "#include \"eyebot.h\"\nint main(int argc, char **argv) { LCDPrintf(\"%s %s\", argv[0], argv[1]); return 0; }\n";
     scratch.write("sims/other.c", echo);

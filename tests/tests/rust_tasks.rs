@@ -124,7 +124,7 @@ fn reason(robot: &Value) -> &str {
 }
 
 #[test]
-fn tasks_fail_and_end_as_they_should() {
+fn tasks_fail_and_end_as_documented() {
     let modes = ["panic", "error", "deadlock", "kill", "leave"];
     let scratch = Scratch::new();
     write_modes(&scratch, &modes);

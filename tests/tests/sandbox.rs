@@ -82,7 +82,7 @@ fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (V
 }
 
 #[test]
-fn a_program_reaches_nothing_but_its_own() {
+fn a_program_in_a_sandbox_reaches_only_its_own_files() {
     if tests::lacks_sandbox() {
         return;
     }
@@ -209,7 +209,7 @@ fn program(what: &str) -> String {
 }
 
 #[test]
-fn hostile_programs_end_alone() {
+fn hostile_programs_end_only_their_robots() {
     if tests::lacks_sandbox() {
         return;
     }
@@ -265,7 +265,7 @@ fn random_system_calls_reach_nothing() {
 }
 
 #[test]
-fn a_compiler_reads_no_file_of_others() {
+fn a_compiler_cannot_read_files_outside_the_sandbox() {
     if tests::lacks_sandbox() {
         return;
     }
@@ -299,7 +299,7 @@ fn a_compiler_reads_no_file_of_others() {
 }
 
 #[test]
-fn levels_and_options_that_do_not_fit_are_refused_and_doctor_tells_the_level() {
+fn unsupported_levels_and_options_are_refused_and_doctor_reports_the_level() {
     if tests::lacks_sandbox() {
         return;
     }

@@ -44,7 +44,7 @@ fn text_and_menu_are_reported() {
 }
 
 #[test]
-fn every_function_draws_what_it_says() {
+fn every_function_draws_as_documented() {
     let scratch = scene(
         "    static BYTE grey[160 * 120], colours[3 * 4], bits[4] = {0, 1, 2, 0};
         int failures = 0;
@@ -244,7 +244,7 @@ fn a_shot_shows_the_display_of_either_generation() {
 }
 
 #[test]
-fn a_shot_says_what_it_cannot_show() {
+fn invalid_shots_are_refused_with_a_reason() {
     let scratch = scene("    LCDPrintf(\"x\");");
     for (args, message) in [
         (&["--lcd", "2"][..], "there is no robot 2: the scene has robot 1 alone"),
@@ -265,7 +265,7 @@ fn a_shot_says_what_it_cannot_show() {
 }
 
 #[test]
-fn the_companion_gives_the_display_its_size() {
+fn the_companion_sets_the_size_of_the_display() {
     let scratch = scene(
         "    int x, y;
         LCDGetSize(&x, &y);

@@ -63,7 +63,7 @@ int main(void) {
 "#;
 
 #[test]
-fn a_run_that_grows_is_the_same_on_threads_and_in_processes() {
+fn a_run_with_spawned_robots_is_the_same_on_threads_and_in_processes() {
     let scratch = scene("robi bot.robi talk.c 500 500 0\nrobi bot.robi talk.c 500 1500 0\n", &[("talk.c", TALK)]);
     write_hand(
         &scratch,
@@ -123,7 +123,7 @@ int main(void) {
 "#;
 
 #[test]
-fn cameras_see_who_is_there() {
+fn cameras_see_spawned_robots_and_objects_only_while_they_exist() {
     let scratch = scene("robi bot.robi see.c 500 2000 0\n", &[("see.c", SEE)]);
     write_hand(
         &scratch,
@@ -161,7 +161,7 @@ int main(void) {
 "#;
 
 #[test]
-fn programs_of_robios_7_number_newcomers_on() {
+fn programs_of_robios_7_see_spawned_entities_under_new_numbers() {
     let robots = "robi bot.robi numbers.c 500 500 0\nrobi bot.robi numbers.c 500 1500 0\n";
     let scratch = scene(robots, &[("numbers.c", NUMBERS)]);
     write_hand(
@@ -182,7 +182,7 @@ int main() { Stays stays; KEYGet(); return 0; }
 "#;
 
 #[test]
-fn a_program_that_does_not_leave_is_left_behind() {
+fn a_removed_program_that_does_not_exit_is_abandoned() {
     let robots = "robi bot.robi talk.c 500 500 0\nrobi bot.robi stays.cpp 500 1500 0\n";
     let scratch = scene(robots, &[("talk.c", TALK), ("stays.cpp", STAYS)]);
     write_hand(&scratch, &[(1.0, remove_robot(2))]);

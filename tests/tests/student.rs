@@ -49,13 +49,13 @@ fn a_function_is_misspelt() {
 }
 
 #[test]
-fn a_device_is_not_on_this_robot() {
+fn a_device_that_the_robot_lacks_is_reported() {
     let (messages, _) = messages("#include \"eyebot.h\"\nint main(void) { PSDInit(PSD_LEFT); return 0; }\n");
     assert!(messages.contains("has no `PSD_LEFT`; of this kind it has: PSD_FRONT"), "{messages}");
 }
 
 #[test]
-fn a_scene_comes_from_windows() {
+fn a_scene_written_on_windows_runs() {
     let scratch = Scratch::new();
     scratch.write("sub/mine.c", "int main(void) { return 0; }\r\n");
     write_scene(&scratch, &["sub\\mine.dll"]);

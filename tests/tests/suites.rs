@@ -60,7 +60,7 @@ fn failing() -> Scratch {
 }
 
 #[test]
-fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
+fn rows_do_not_depend_on_the_number_of_workers_or_on_isolation() {
     let scratch = failing();
     let run = |name: &str, args: &[&str]| {
         test(&scratch, &[&["0.suite.toml", "--report", name], args].concat(), 1);
@@ -85,7 +85,7 @@ fn rows_are_the_same_on_one_worker_and_two_shared_and_alone() {
 }
 
 #[test]
-fn a_failure_tells_what_where_and_how_to_see_it() {
+fn a_failure_reports_the_check_the_location_and_the_command_to_view_it() {
     let scratch = failing();
     let ran = test(&scratch, &["0.suite.toml", "-k", "harsh and seed=1", "--junit", "j.xml", "--html", "pages"], 1);
     for part in [
@@ -119,7 +119,7 @@ fn a_failure_tells_what_where_and_how_to_see_it() {
 }
 
 #[test]
-fn programs_that_break_hang_or_do_not_compile_are_rows() {
+fn programs_that_crash_hang_or_do_not_compile_give_rows() {
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml") + "\n[limits]\nslot_processor_s = 0.5\n";
     scratch.write("0.suite.toml", &suite.replace("\"none\", \"mild\"", "\"mild\""));
@@ -146,7 +146,7 @@ fn programs_that_break_hang_or_do_not_compile_are_rows() {
 }
 
 #[test]
-fn a_program_that_writes_into_the_pool_s_connection_is_an_error_of_its_case() {
+fn a_program_that_writes_into_the_pools_connection_fails_only_its_case() {
     let scratch = of_page();
     let scribble = |text: &str| {
         let write = format!("for (int fd = 3; fd < 64; fd++) write(fd, {text});");
@@ -267,7 +267,7 @@ fn a_pipe_as_scene_and_a_full_disk_are_reported() {
 }
 
 #[test]
-fn ctrl_c_tells_what_has_run() {
+fn ctrl_c_reports_the_cases_that_have_run() {
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml").replace("until_s = 60", "until_s = 100000").replace("1..3", "1..100000");
     scratch.write("0.suite.toml", &suite.replace("1:KEY1", "100000:KEY1"));
@@ -292,7 +292,7 @@ fn a_new_project_has_a_suite_that_passes() {
 }
 
 #[test]
-fn programs_of_checks_judge_cases_and_break_them_as_errors() {
+fn programs_of_checks_judge_cases_and_their_failures_are_errors() {
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml");
     let check = "[[check]]\nname = \"way\"\nkind = \"script\"\nprogram = \"grade.py\"\npoints = 2\n";
@@ -364,7 +364,7 @@ fn options_that_fit_no_robot_end_the_command_before_any_case() {
 }
 
 #[test]
-fn a_case_that_hangs_tells_its_instant_and_the_line_to_see_a_failure_has_the_checks() {
+fn a_hanging_case_reports_its_time_and_the_command_to_view_a_failure_includes_the_checks() {
     let scratch = of_page();
     let suite = scratch.read("0.suite.toml").replace("pass_rate", "# pass_rate");
     scratch.write("0.suite.toml", &format!("{suite}\n[limits]\nslot_processor_s = 0.2\n"));

@@ -65,7 +65,7 @@ print("all well")
 }
 
 #[test]
-fn what_threads_print_is_not_lost() {
+fn output_of_threads_is_not_lost() {
     if !has("python3", "pass") {
         return;
     }
@@ -203,7 +203,7 @@ fn threads_of_python_that_wait_for_each_other_are_reported() {
 }
 
 #[test]
-fn a_module_that_computes_long_while_it_is_imported_is_no_endless_loop() {
+fn a_slow_import_is_not_an_endless_loop() {
     if !has("python3", "pass") {
         return;
     }
@@ -218,7 +218,7 @@ fn a_module_that_computes_long_while_it_is_imported_is_no_endless_loop() {
 }
 
 #[test]
-fn headers_of_another_year_beside_a_program_give_way() {
+fn eyesims_headers_replace_headers_of_another_year_beside_a_program() {
     let header = "#ifndef EYEBOT_H_\n#define EYEBOT_H_\n#include \"types.h\"\nint VWStraight(float m);\nint LCDClear(void);\n#endif\n";
     let types = "#include <X11/NoSuch.h>\n#define QVGA_X 1\n#define QVGA_Y 1\n#define QVGA_SIZE 3\n#define KEY_LIST1 1\n#define KEY_LIST2 2\n\
                  #define KEY_LIST3 3\n#define IRTV_OK 1\n#define IRTV_UP 2\n#define LCD_SCROLLING 3\n";
@@ -245,7 +245,7 @@ fn headers_of_another_year_beside_a_program_give_way() {
 }
 
 #[test]
-fn functions_without_a_declaration_get_what_their_author_means() {
+fn functions_without_a_declaration_receive_converted_arguments() {
     let program = "void f(float s) { sleep(s); }\nint main(void) { f(18.0f); VWStraight(100.7, 100.2); VWWait(); OSWait(0.5 + sqrt(4.0)); return 0; }\n";
     let (_, ran) = run(&[("a.c", program)], "a.c", &["--report", "r.json"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -272,7 +272,7 @@ fn cpp_is_compiled_in_the_newest_standard_or_in_that_of_its_time() {
 }
 
 #[test]
-fn what_compiles_for_one_generation_only_is_of_that_one() {
+fn a_program_that_compiles_for_one_generation_only_has_that_generation() {
     // Both generations have `OSVersion`, but these statements compile only for RoBIOS-7.
     let program = "#include \"eyebot.h\"\nint main(void) { char text[32]; BYTE grey[9]; COLOR red = 3; OSVersion(text); return red == 4 && grey[0]; }\n";
     let (scratch, _) = run(&[("a.c", program)], "a.c", &[]);

@@ -304,7 +304,7 @@ fn malformed_files_are_reported() {
 }
 
 #[test]
-fn wrong_arguments_and_places_are_reported() {
+fn wrong_arguments_and_positions_are_reported() {
     let scratch = suite(4);
     let reports = |args: &[&str], what: &str| {
         let ran = sweep(&scratch, args, 2);
@@ -387,7 +387,7 @@ fn status_names_the_shards_that_lack_rows() {
 }
 
 #[test]
-fn tables_have_what_rows_say() {
+fn merged_tables_contain_the_rows_of_the_sweep() {
     let scratch = suite(4);
     into(&scratch, "out", &[]);
     let ran = sweep(&scratch, &["merge", "out", "-o", "rows.csv"], 0);

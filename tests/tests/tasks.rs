@@ -136,7 +136,7 @@ int main(void) {
 }
 
 #[test]
-fn tasks_wait_each_for_themselves_and_share_the_time() {
+fn tasks_wait_independently_and_share_the_clock() {
     let lines = output_of(
         "
 static void *drive(void *p) {

@@ -32,7 +32,7 @@ fn assert_equal(scratch: &Scratch, a: &str, b: &str) {
 }
 
 #[test]
-fn a_table_holds_the_run_of_the_lines() {
+fn traces_as_tables_and_as_lines_are_equal() {
     let scratch = scene("return 0;");
     for name in ["t.jsonl", "trace", "t.jsonl.zst", "t.parquet", "ta ble \u{f6}'\".parquet"] {
         run(&scratch, name, 0);

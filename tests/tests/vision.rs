@@ -53,7 +53,7 @@ fn the_ball_is_found_from_eight_starts() {
 }
 
 #[test]
-fn in_rust_and_on_robios6_the_ball_is_found_too() {
+fn programs_in_rust_and_for_robios6_find_the_ball_too() {
     for program in ["follow-ball", "follow-ball-c/follow-ball-robios6.c"] {
         let program = format!("1={}/example-programs/{program}", root().display());
         for_seeds(21..=22, |seed| assert_reaches_the_ball(&["--program", &program], seed));
@@ -141,7 +141,7 @@ fn passes(trace: &[Value], edge: f64, sign: f64, from_s: f64) -> f64 {
 }
 
 #[test]
-fn motion_is_seen_when_and_where_it_is() {
+fn motion_is_detected_at_its_time_and_position() {
     let scratch = Scratch::new();
     let path = scene("motion.sim");
     scratch.report(&path, &["--noise", "real", "--trace", "t.jsonl"], 0);
@@ -165,7 +165,7 @@ fn motion_is_seen_when_and_where_it_is() {
 }
 
 #[test]
-fn noise_alone_is_no_motion() {
+fn noise_alone_is_not_detected_as_motion() {
     let scratch = Scratch::new();
     let sim = std::fs::read_to_string(scene("motion.sim")).expect("a scene");
     let watcher: Vec<&str> = sim.lines().filter(|line| !line.contains("passer-by")).collect();

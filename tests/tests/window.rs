@@ -217,7 +217,7 @@ fn scene_of(programs: &[(&str, &str)]) -> Scratch {
 }
 
 #[test]
-fn scene_and_snapshots_come_and_go_on() {
+fn a_page_receives_the_scene_and_then_snapshots() {
     let scratch = scene_of(&[("rover.c", ROVER), ("waiter.c", WAITER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);
     let mut page = served.page();
@@ -434,7 +434,7 @@ fn a_run_with_thirty_interventions_is_run_again_with_the_same_digest() {
 }
 
 #[test]
-fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
+fn saving_a_program_restarts_the_run_if_it_compiles() {
     let scratch = scene_of(&[("rover.c", ROVER)]);
     let served = Served::start(&scratch, &["view", "scene.sim", "--watch", "--seed", "9"]);
     let mut page = served.page();
@@ -465,7 +465,7 @@ fn a_saved_program_starts_the_run_again_unless_it_does_not_compile() {
 }
 
 #[test]
-fn a_page_that_comes_late_gets_the_trails() {
+fn a_page_that_connects_late_gets_the_trails() {
     let scratch = scene_of(&[("rover.c", ROVER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);
     let mut page = served.page();
@@ -570,7 +570,7 @@ fn a_recorded_run_is_served() {
 }
 
 #[test]
-fn what_is_no_trace_is_refused() {
+fn files_that_are_not_traces_are_refused() {
     let scratch = Scratch::new();
     for (name, text, words) in [
         ("empty.jsonl", "", "it is empty"),
@@ -587,7 +587,7 @@ fn what_is_no_trace_is_refused() {
 }
 
 #[test]
-fn what_cannot_be_served_is_said() {
+fn an_occupied_port_and_a_missing_program_are_reported() {
     let scratch = scene_of(&[("rover.c", ROVER)]);
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port().to_string();

@@ -79,7 +79,7 @@ mod tests {
     use crate::SHANK;
 
     #[test]
-    fn the_robis_have_what_the_program_knows() {
+    fn constants_of_the_program_match_the_robis() {
         for name in ["alduro", "alduro-wheels"] {
             let path = format!("{}/../../robis/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let robi: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();

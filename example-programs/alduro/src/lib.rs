@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_are_places_that_can_be_walked_to() {
+    fn invalid_arguments_are_reported_with_what_is_expected() {
         assert_eq!(metres("-3.5"), Ok(-3.5));
         for word in ["", "x", "nan", "inf", "1e9"] {
             assert!(corrections(word).unwrap_err().contains("expected `both`"), "{word}");

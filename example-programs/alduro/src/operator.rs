@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_free_way_is_taken_straight() {
+    fn a_free_path_is_followed_straight() {
         let free = look_from(ROBOT, Point::new(30.25, 0.25), |_| false);
         assert!(free.direction.abs() < 1e-12 && free.room == f64::INFINITY, "{free:?}");
         let at_goal = look_from(ROBOT, Point::new(0.6, 0.95), |_| false);
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_in_the_way_is_passed_with_room_on_the_shorter_side() {
+    fn obstacles_are_passed_with_clearance_on_the_shorter_side() {
         let goal = Point::new(9.25, 0.25);
         let block = |point: Point| (3.0..4.0).contains(&point.x) && (-4.0..1.0).contains(&point.y);
         assert!(look_from(ROBOT, goal, block).direction > 0.3);
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn between_two_gaps_it_takes_the_wide_one_and_with_none_the_thinnest_place() {
+    fn it_takes_the_wider_of_two_gaps_and_without_a_gap_the_thinnest_part() {
         let goal = Point::new(9.25, 0.25);
         let wall = |point: Point| (2.0..2.5).contains(&point.x);
         let gaps = |point: Point| wall(point) && (point.y - 0.25).abs() > 0.6 && !(4.0..9.0).contains(&point.y);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_the_map_it_goes_as_the_crow_flies() {
+    fn outside_the_map_it_goes_straight_to_the_goal() {
         let command = look_from(Point::new(50.0, 0.0), Point::new(50.0, 9.0), |_| true);
         assert!((command.direction - FRAC_PI_2).abs() < 1e-12, "{command:?}");
     }

@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn high_points_pull_by_the_nearest_in_the_direction_of_all() {
+    fn the_nearest_high_point_gives_the_length_and_all_give_the_direction() {
         let at = |points: &[(f64, f64)]| {
             high(Vector2::new(1.0, 0.0), 2.0, points.iter().map(|(x, y)| (patch(*x, *y, 1.0), 1.0)))
         };
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn low_points_are_looked_at_from_where_the_foot_goes() {
+    fn distances_of_low_points_are_measured_from_the_next_foothold() {
         let tip = Vector3::new(0.0, 0.0, 0.3);
         let point = |x| [(patch(x, 0.0, 0.3), 1.0)].into_iter();
         assert_eq!(low(tip, Vector3::zeros(), 0.5, point(0.6)), Vector3::zeros());
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_low_is_ground_or_high() {
+    fn membership_of_heights_as_low_ground_and_high() {
         let heights = Heights { low: (0.1, 0.2), high: (0.4, 0.6) };
         assert_eq!((heights.low(0.05), heights.low(0.3), heights.low(0.7)), (0.0, 1.0, 0.0));
         assert_eq!((heights.high(0.3), heights.high(0.7)), (0.0, 1.0));

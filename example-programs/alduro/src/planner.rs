@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_phantom_is_cleared_down_to_the_least_blocking_height() {
+    fn a_phantom_obstacle_is_lowered_to_the_cleared_height() {
         let mut planner = Planner::new(0.0, Corrections::Both);
         let pose = Pose { ground: Planar::new(0.0, 0.0, 0.0), lift: 0.0 };
         let reading = |distance| Reading { sonar: 0, pose, distance };

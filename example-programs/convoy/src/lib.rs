@@ -118,7 +118,7 @@ mod tests {
 
     /// The fake robot has the number 1.
     #[test]
-    fn the_leader_tells_where_it_is() {
+    fn the_leader_sends_its_positions() {
         let run =
             Fake::new().argument("500").argument("0").argument("0").until(200.seconds()).run(main).expect_finished();
         assert!((run.position().y - 2.0 * RADIUS).abs() < 1.millimetres());

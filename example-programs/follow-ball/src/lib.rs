@@ -178,12 +178,12 @@ mod tests {
     }
 
     #[test]
-    fn single_pixels_are_no_ball() {
+    fn single_pixels_are_not_a_ball() {
         assert_eq!(Ball::find(&mask(&[(3, 5), (4, 90), (159, 119)])), None);
     }
 
     #[test]
-    fn width_and_place_tell_distance_and_direction() {
+    fn width_and_position_give_distance_and_direction() {
         // Tangents at 30 degrees: the ball fills the image.
         let near = Ball { left: 0, right: 159 };
         assert!((near.distance() - 0.1.metres()).abs() < 1.millimetres(), "{:?}", near.distance());
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn brown_is_no_orange() {
+    fn brown_is_not_orange() {
         let image = |level| {
             let mut image = GrayImage::new(ImageSize::new(1, 1));
             image.bytes_mut()[0] = level;

@@ -111,7 +111,7 @@ mod tests {
     use crate::pose::Point;
 
     #[test]
-    fn limits_belong_to_free_and_occupied() {
+    fn threshold_values_are_free_or_occupied() {
         let classes: Vec<Occupancy> = [0.0, 0.4, 0.45, 0.5, 0.6, 1.0].into_iter().map(Occupancy::of).collect();
         use Occupancy::{Free, Occupied, Unknown};
         assert_eq!(classes, [Free, Free, Unknown, Unknown, Occupied, Occupied]);

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_go_to_their_places_and_are_found_there() {
+    fn tables_are_written_between_their_markers() {
         let mut doc = doc("x\n<!-- papers: wu -->\nold\n<!-- end -->\ny\n<!-- papers: wu/rows -->\n<!-- end -->\n");
         assert!(!doc.differences("wu", &page()).expect("places").is_empty());
         for _ in 0..2 {
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_or_unused_place_is_reported() {
+    fn a_missing_marker_and_a_marker_without_a_table_are_reported() {
         let message = |text: &str| doc(text).differences("wu", &page()).expect_err("no place").to_string();
         assert!(message("").contains("no place for the claims of `wu`"));
         assert!(message("<!-- papers: wu -->\n").contains("expected `<!-- end -->` after `wu`"));

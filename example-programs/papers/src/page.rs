@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_must_hold_fails() {
+    fn only_violated_must_claims_fail() {
         let mut page = Page::new("T", "S");
         assert!(!page.has_failed());
         page.claims = vec![claim(true, Weight::Must), claim(false, Weight::Told), claim(false, Weight::Open)];
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_needs_nothing_but_itself() {
+    fn the_page_is_self_contained() {
         let mut page = Page::new("A & B", "S");
         page.claims.push(claim(false, Weight::Must));
         let [name, label, caption, claim, number] = ["f", "Figure 1", "c", "d", "2 mm"].map(str::to_owned);

@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_asked_for() {
+    fn the_trace_requests_exactly_the_kinds_that_it_keeps() {
         let interest = Trace::default().interest();
         let kinds = Kind::ALL.iter().filter(|kind| interest.contains(**kind));
         assert_eq!(kinds.count(), KINDS.len());

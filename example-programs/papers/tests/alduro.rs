@@ -5,7 +5,7 @@ use papers::page::Weight;
 use papers::run::Job;
 
 #[test]
-fn the_robot_arrives_untouched() {
+fn the_robot_arrives_without_contact() {
     let folder = tempfile::tempdir().expect("a folder");
     let job = Job::new("alduro", folder.path(), 1).expect("a job");
     let page = alduro::run(&job, Some(2)).expect("all runs");

@@ -5,7 +5,7 @@ use papers::page::Weight;
 use papers::run::Job;
 
 #[test]
-fn what_the_paper_says_of_the_simulator_holds() {
+fn claims_of_the_paper_about_the_simulator_hold() {
     let folder = tempfile::tempdir().expect("a folder");
     let page = eyesim::run(&Job::new("eyesim", folder.path(), 1).expect("a job")).expect("all runs");
     assert_eq!(page.claims.len(), 17);

@@ -5,7 +5,7 @@ use papers::page::Weight;
 use papers::run::Job;
 
 #[test]
-fn what_the_paper_says_holds() {
+fn claims_of_the_paper_hold() {
     let folder = tempfile::tempdir().expect("a folder");
     let job = Job::new("france", folder.path(), 1).expect("a job");
     let walks = Walks::run(&job).expect("all walks end by themselves");

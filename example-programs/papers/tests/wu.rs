@@ -5,7 +5,7 @@ use papers::run::Job;
 use papers::wu;
 
 #[test]
-fn maps_are_as_right_as_they_must_be() {
+fn maps_satisfy_the_claims_that_must_hold() {
     let folder = tempfile::tempdir().expect("a folder");
     let job = Job::new("wu", folder.path(), 1).expect("a job");
     let page = wu::run(&job).expect("all runs");

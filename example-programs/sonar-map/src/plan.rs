@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_robot_goes_around_things_to_what_it_does_not_know() {
+    fn the_robot_drives_around_obstacles_to_unknown_cells() {
         let open = "....................";
         let blocked = "..........##........";
         let edge = "..................??";
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_room_is_done() {
+    fn exploration_of_a_closed_room_is_complete() {
         let (wall, row) = ("############", "#..........#");
         let text = [vec![wall], vec![row; 10], vec![wall]].concat().join(" ");
         assert_eq!(Plan::new(&map(&text), &[]).next(Point::new(0.6, 0.6), &[]), None);

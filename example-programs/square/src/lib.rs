@@ -35,7 +35,7 @@ mod tests {
     }
 
     #[test]
-    fn the_side_can_be_given() {
+    fn the_side_is_an_argument() {
         let run = Fake::new().argument("0.1").run(main).expect_finished();
         assert_eq!(run.lcd_line(0), "1: 0.100 0.000");
         let run = Fake::new().argument("wide").run(main);

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn words_name_a_sensor_or_none() {
+    fn words_select_a_sensor() {
         let sensor = Sensor::of_words("thigh", "reflectance").expect("a sensor");
         assert_eq!((sensor.at.number(), sensor.max), (8, 1.metres()));
         assert_eq!(Sensor::of_words("tibia", "sonar"), None);

@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mistake_in_a_world_has_a_location_and_an_expectation() {
+    fn each_mistake_in_a_world_has_a_location_and_says_what_is_expected() {
         let (folder, names) = folder(&[("a.wld", BROKEN)]);
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let with_span: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();

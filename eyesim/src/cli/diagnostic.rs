@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_100_kb_are_cut() {
+    fn lines_of_100_kb_are_truncated() {
         let text = format!("floor 9 9\n{}\n0 0 1 {}\n", "x".repeat(100_000), "1 ".repeat(50_000));
         let output = rendered(&text, PLAIN);
         assert!(widest(&output) <= 80 && output.len() < 4000, "{output}");

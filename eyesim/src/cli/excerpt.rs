@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn long_mistakes_are_cut() {
+    fn long_mistakes_are_truncated() {
         let excerpt = excerpt(&"word ".repeat(40), 0, 200, 1, 1, 40);
         assert_eq!(excerpt.text, "word word word word word word wor…");
         assert_eq!(label(&excerpt), excerpt.text);

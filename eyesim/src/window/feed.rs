@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_is_listed_or_a_reading_or_shown() {
+    fn the_feed_receives_exactly_the_listed_kinds_and_the_readings() {
         let interest = Feed::default().interest();
         for kind in Kind::ALL {
             assert_eq!(interest.contains(*kind), is_listed(*kind) || READINGS.contains(kind), "{}", kind.name());

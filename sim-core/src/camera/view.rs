@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn left_and_up_are_left_and_up_in_the_image() {
+    fn points_to_the_left_and_above_appear_left_and_above_in_the_image() {
         let ahead = View::new(Pose3::IDENTITY, Lens::Pinhole { fov: FRAC_PI_2 }, [160, 120]).expect("a view");
         let found = ahead.project(DVec3::new(1.0, 0.5, 0.25)).expect("ahead");
         assert!((found - DVec2::new(40.0, 40.0)).length() < 1e-9, "{found}");

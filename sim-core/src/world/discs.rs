@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_never_get_a_torn_disc() {
+    fn threads_never_read_a_torn_disc() {
         let mut cache = DiscCache::default();
         cache.renew(3);
         thread::scope(|scope| {

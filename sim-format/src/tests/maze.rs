@@ -35,7 +35,7 @@ fn cells_two_characters_wide_are_read() {
 }
 
 #[test]
-fn a_wall_off_every_grid_closes_its_cell_on_the_right() {
+fn a_wall_between_two_columns_closes_its_cell_on_the_right() {
     let (maze, diagnostics) = read_maze("m.maz", " _____\n|  | |\n|_____|\n100\n");
     assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.1));
     assert!(wall_ends(&maze).contains(&[0.2, 0.1, 0.2, 0.2]), "{:?}", wall_ends(&maze));
@@ -81,13 +81,13 @@ fn notches_beyond_the_border_are_cells() {
 }
 
 #[test]
-fn a_row_may_begin_with_a_blank_and_a_dot() {
+fn a_row_with_a_gap_may_begin_with_a_blank_and_a_dot() {
     let (maze, diagnostics) = read_maze("m.maz", " _____\n|. . .|\n . . .|\n|_____|\n360\n");
     assert_eq!((codes(&diagnostics), maze.floor), (vec!["maz-gap"], DVec2::new(3.0, 3.0) * 0.36));
 }
 
 #[test]
-fn balls_in_an_open_row_are_no_posts() {
+fn balls_in_a_row_with_gaps_are_not_posts() {
     let files = Memory::new(&[
         ("balls.maz", " _____\n|     |\n  o o\n|_____|\n"),
         ("posts.maz", "o   o   o\n|   |   |\no   o   o\n"),

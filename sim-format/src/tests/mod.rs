@@ -384,7 +384,7 @@ fn files_saved_with_txt_are_read_by_the_extension_before_it() {
 }
 
 #[test]
-fn a_world_of_the_installation_is_noted_and_one_nearby_is_named() {
+fn use_of_an_installed_world_is_noted_and_a_similar_file_is_named() {
     let load = |world: &str, near: &str, text: &str| {
         let sim = format!("world {world}\nS4 500 500 0\n");
         let installed = ("/home/eyesim/worlds/w.wld", "floor 1000 1000");

@@ -404,7 +404,7 @@ fn places(loaded: &sim_format::Loaded) -> Vec<(f64, f64, f64)> {
 }
 
 #[test]
-fn layouts_stand_as_the_page_says() {
+fn layouts_place_entities_as_documented() {
     let of = |layout: &str| {
         let loaded = scene(&format!("[[robot]]\ntype = \"S4\"\ncount = 4\nlayout = {{ {layout} }}\n"));
         assert_eq!(loaded.diagnostics, [], "{layout}");
@@ -421,7 +421,7 @@ fn layouts_stand_as_the_page_says() {
 }
 
 #[test]
-fn random_places_keep_clear_and_follow_the_seed() {
+fn random_positions_keep_their_clearance_and_depend_on_the_seed() {
     let text = "[scene]\nseed = 5\n[world]\nfloor_mm = [4000, 3000]\n\
                 wall = [{ from_mm = [2000, 0], to_mm = [2000, 3000] }]\n\
                 [[robot]]\ntype = \"S4\"\ncount = 30\nlayout = { kind = \"random\", clearance_mm = 100 }\n\
@@ -449,7 +449,7 @@ fn random_places_keep_clear_and_follow_the_seed() {
 }
 
 #[test]
-fn ugly_scenes_end_in_messages() {
+fn invalid_scenes_are_reported() {
     let deep = format!("a = {}1{}", "[".repeat(10_000), "]".repeat(10_000));
     let long = format!("[world]\nfile = \"{}\"\n", "x".repeat(1_000_000));
     let robot = |rest: &str| format!("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\n{rest}\n");
@@ -496,7 +496,7 @@ fn mistakes_in_a_drawn_maze_have_their_own_lines() {
 }
 
 #[test]
-fn a_companion_is_no_scene() {
+fn a_companion_is_not_a_scene() {
     assert!(!sim_format::is_scene("S4.toml", "[psd]\nrange_mm = 2000\n"));
     assert!(!sim_format::is_scene("costs.toml", "[robios6]\nPSDGet = 3\n"));
     assert!(sim_format::is_scene("a.toml", "[world]\nfile = \"a.wld\"\n"));
@@ -505,7 +505,7 @@ fn a_companion_is_no_scene() {
 }
 
 #[test]
-fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
+fn the_generation_of_a_robot_precedes_that_of_the_scene() {
     let text = |scene: &str, robot: &str| {
         format!(
             "[scene]\n{scene}\n[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n\
@@ -525,7 +525,7 @@ fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
 }
 
 #[test]
-fn what_a_sim_cannot_hold_is_named() {
+fn keys_that_a_sim_file_cannot_express_are_named() {
     let text = "[scene]\nseed = 3\napi = 6\ncosts = { robios6 = { PSDGet = 5 } }\ncontact = \"stall\"\n\
                 wall_friction = 0.1\n[world]\nfloor_mm = [4000, 3000]\n\
                 [radio]\nbaud = 9600\n[[fault]]\nkind = \"dies\"\nat_s = 5\n\
@@ -567,7 +567,7 @@ fn what_a_sim_cannot_hold_is_named() {
 }
 
 #[test]
-fn a_generation_that_a_line_changes_is_named() {
+fn a_conversion_that_changes_the_generation_names_it() {
     let lost = |dialect: &str, kind: &str| {
         let scene = format!(
             "[scene]\n{dialect}\n[world]\nfloor_mm = [2000, 2000]\n[[robot]]\ntype = \"{kind}\"\nprogram = \"p.c\"\n\
@@ -651,7 +651,7 @@ fn a_maze_with_water_and_a_texture_is_a_maze() {
 }
 
 #[test]
-fn a_letter_that_a_world_file_loses_becomes_a_pose() {
+fn a_start_letter_that_a_world_file_cannot_express_becomes_a_pose() {
     let text = "[world]\nfloor_mm = [2000, 2000]\nstart = [{ x_mm = 300, y_mm = 400, letter = \"S\" }]\n\
                 [[robot]]\ntype = \"S4\"\nstart = \"S\"\n";
     let files = Overlay::of(&[("a.scene.toml", text)]);
@@ -726,7 +726,7 @@ fn a_companion_changes_the_camera_of_a_robi() {
 }
 
 #[test]
-fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
+fn invalid_cameras_and_looks_are_reported_with_their_locations() {
     let reported = |text: &str| -> Vec<String> {
         let reported = read_scene("a.scene.toml", text).1;
         reported
@@ -797,7 +797,7 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
 }
 
 #[test]
-fn the_radio_is_what_the_scene_says() {
+fn the_scene_sets_the_parameters_of_the_radio() {
     let radio = |keys: &str| scene(&format!("[radio]\n{keys}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"));
     let all = radio("medium = \"token_ring\"\nbaud = 9600\nlatency_ms = 1.5\nrange_mm = 2500\nline_of_sight = true");
     assert_eq!(all.diagnostics, []);
@@ -815,7 +815,7 @@ fn the_radio_is_what_the_scene_says() {
 }
 
 #[test]
-fn radios_that_cannot_be_are_reported_where_they_stand() {
+fn invalid_radios_are_reported_with_their_locations() {
     let reported = |keys: &str| -> Vec<String> {
         let text = format!("[world]\nfile = \"a.wld\"\n[radio]\n{keys}\n");
         let reported = read_scene("a.scene.toml", &text).1;
@@ -895,7 +895,7 @@ fn robots_have_the_numbers_that_the_scene_gives_them() {
 }
 
 #[test]
-fn numbers_that_robots_cannot_have_are_reported_where_they_stand() {
+fn invalid_robot_numbers_are_reported_with_their_locations() {
     let reported = |first: &str, second: &str| -> Vec<String> {
         let reported = numbered(first, second).diagnostics;
         let of = |diagnostic: &sim_format::Diagnostic| {

@@ -223,7 +223,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_compiled_in_table_has_every_function() {
+    fn the_built_in_cost_table_has_every_function() {
         let table = parse(DEFAULT).unwrap();
         for section in SECTIONS {
             for call in functions(section) {

@@ -357,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_display_with_menu_and_frame() {
+    fn the_display_with_menu_and_frame_matches_its_snapshot() {
         let mut lcd = written("Wall 123 mm\nphi -1.571\n");
         for (position, text) in [(1, "GO"), (2, "STOP"), (3, "longer"), (4, "END")] {
             lcd.set_menu(position, text.as_bytes()).unwrap();

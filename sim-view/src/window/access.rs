@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_token_permits_to_act() {
+    fn only_the_token_grants_permission_to_act() {
         let class = Access::Class { token: "abcabc".into() };
         assert_eq!(class.may_act(None), Some(false));
         assert_eq!(class.may_act(Some("abcabc")), Some(true));

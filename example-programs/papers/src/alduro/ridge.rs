@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_what_recursive_least_squares_comes_to() {
+    fn the_solution_equals_that_of_recursive_least_squares() {
         let equations = equations(20, 30, 0.1);
         let mut rls = Rls::new(&[0.0; 30], &[4.0; 30], 1.0);
         for (terms, value) in equations.terms.iter().zip(&equations.values) {

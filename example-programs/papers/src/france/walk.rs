@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn between_two_moments_the_robot_is_in_proportion() {
+    fn poses_between_two_moments_are_interpolated_linearly() {
         let moment = |at, x| Moment { at, pose: Pose::new(x, 0.0, 0.0), lift: x, joints: vec![2.0 * x] };
         let moments = [moment(0.0, 0.0), moment(1.0, 1.0), moment(3.0, 2.0)];
         for (at, x) in [(-1.0, 0.0), (0.25, 0.25), (1.0, 1.0), (2.0, 1.5), (9.0, 2.0)] {

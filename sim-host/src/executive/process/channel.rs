@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spin_ends_with_the_turn_or_the_limit() {
+    fn spinning_ends_at_the_turn_or_at_the_limit() {
         let channels = Channels::new().unwrap();
         let (host, child) = (channels.map(0).unwrap(), channels.map(0).unwrap());
         assert!(!host.spin_for(Turn::Host, Duration::from_micros(1)));

@@ -96,7 +96,7 @@ proptest! {
 
     /// The visible display does not depend on when its pixels are allocated.
     #[test]
-    fn lazy_and_eager_pixels_show_the_same(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
+    fn the_display_does_not_depend_on_when_pixels_are_allocated(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
         let (mut lazy, mut eager) = (Screen::new([320, 240]), Screen::new([320, 240]));
         for (kind, a, b, text) in &steps {
             eager.draw(|_| 0);

@@ -253,7 +253,7 @@ mod tests {
 
     /// Without points the error is that of a robot that expects the height on which it stands.
     #[test]
-    fn a_sensor_that_sees_nothing_is_worth_nothing() {
+    fn a_sensor_without_hits_does_not_improve_the_score() {
         let course = Course::gliding(Floor::Stairs, 7, 0.0);
         let up = Sensor { tilt_deg: 170.0, ..DOWN };
         let [blind, with_up] =
@@ -268,7 +268,7 @@ mod tests {
 
     /// The score of a profile with known errors contains these errors.
     #[test]
-    fn planted_errors_are_found() {
+    fn known_errors_appear_in_the_score() {
         let course = Course::gliding(Floor::Uneven, 7, 0.0);
         let exact = points(&course, &[DOWN], &EXACT);
         let error = |points: &[Point]| score(&course, points, 0.02, STEP).rms;
