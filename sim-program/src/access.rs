@@ -40,7 +40,7 @@ pub struct IndexedArray {
 
 /// Accesses of line `line` of `source`, counted from 1. `None` if the line may have accesses that are not found:
 /// through members of unknown types, references, results of functions, names that are not declared above the line,
-/// macros, or functions of the C library that a compiler replaces by its own code.
+/// macros, or functions of the C library that a compiler replaces with its own code.
 ///
 /// The result includes pointers from lines above that assign to variables of this line: a compiler may delay such a
 /// read until the variable is used.
@@ -607,7 +607,7 @@ impl Accesses {
     }
 }
 
-/// Returns true for functions of the C library that compilers replace by their own reads and writes: `strcpy`.
+/// Returns true for functions of the C library that compilers replace with their own reads and writes: `strcpy`.
 fn is_replaced_by_compilers(function: &str) -> bool {
     ["str", "mem", "sprintf", "snprintf", "vsprintf"].iter().any(|begin| function.starts_with(begin))
 }

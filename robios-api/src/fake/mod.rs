@@ -318,7 +318,7 @@ pub enum End {
     },
     /// The program was stopped at the limit of virtual time.
     TimeUp {
-        /// The call in progress, with its location if the program belongs to the library of the test.
+        /// The call in progress, with its location if the program is compiled into the test.
         during: String,
     },
 }
@@ -342,7 +342,7 @@ pub struct Call {
     pub name: &'static str,
     /// The call with arguments and result, in the units of RoBIOS: `VWDriveStraight(1, 0.4, 0.2) = 0`.
     pub text: String,
-    /// Location of the call, if the program belongs to the library of the test.
+    /// Location of the call, if the program is compiled into the test.
     pub location: Option<&'static Location<'static>>,
 }
 

@@ -152,7 +152,7 @@ impl PendingMotion {
 
 impl PendingOdometry {
     /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the
-    /// world. Later calls are corrections, which the check takes as part of the odometry.
+    /// world. Later calls are corrections, which the check treats as part of the odometry.
     fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         let first_setting = motion.odometry_set().filter(|_| !self.is_anchored);
         let Some((at, pose)) = first_setting.filter(|(at, _)| *at < to) else {

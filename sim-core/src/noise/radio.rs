@@ -42,7 +42,7 @@ impl RadioNoise {
         Some(errors)
     }
 
-    /// Cumulative hazard of a frame of `bits` bits: -ln of the probability that it arrives without loss and bit error;
+    /// Cumulative hazard of a frame of `bits` bits: -ln of the probability that it arrives without loss or bit error;
     /// infinite if that probability is 0.
     pub fn hazard(&self, bits: u32) -> f64 {
         let without_bit_error =
@@ -66,7 +66,7 @@ fn gap(interval: u64, ln_correct: f64) -> u64 {
     (ln((interval as f64 + 0.5) / INTERVALS) / ln_correct) as u64
 }
 
-/// Number of intervals.
+/// Number of intervals into which [`interval`] divides (0, 1).
 const INTERVALS: f64 = (1_u64 << 52) as f64;
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use super::caller::Poll;
 use super::camera::{self, ImageUnavailable};
 use super::robot::{Robot, WaitReason};
 
-/// Answer of `CAMInit`: an EyeCam with colour.
+/// Camera version that `CAMInit` returns: an EyeCam with colour.
 pub const VERSION: i32 = 17;
 
 /// Columns and rows of an image without its border.
@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(next(FPS30, 1), 33_334);
         assert_eq!(next(FPS15, 66_668), 133_334);
         assert_eq!(next(FPS0_46875, 1), 2_133_334);
-        // Without drift: the 3,600th image of 60 a second is there after one minute.
+        // The rate does not drift: at 60 images a second, image 3,600 is due after exactly one minute.
         assert_eq!(next(FPS60, 59_999_999), 60_000_000);
     }
 
