@@ -191,8 +191,8 @@ fn scans_detect_moving_bodies_at_the_time_of_the_call() {
 
 #[test]
 fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
-    let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
-    let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
+    let wall_at = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
+    let walls = Walls::new(vec![wall_at(1.0), wall_at(2.0), wall_at(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
     // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance, or `None` if there
     // is no return within 9 m along the ray.

@@ -134,7 +134,7 @@ fn legs() -> Arc<Legs> {
         gaits: vec![gait],
         step_height: 0.01,
         radius: 0.005,
-        belly: 0.15,
+        underside: 0.15,
     })
 }
 

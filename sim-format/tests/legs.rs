@@ -59,7 +59,7 @@ fn biped() -> Legs {
         }],
         step_height: 0.03,
         radius: 0.03,
-        belly: 0.9,
+        underside: 0.9,
     }
 }
 
@@ -84,7 +84,7 @@ fn four_legs() -> Legs {
         ],
         step_height: 0.05,
         radius: 0.03,
-        belly: 0.8,
+        underside: 0.8,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Maps and mazes of other programs: occupancy grids, images, MovingAI, mazes of contests, worlds of Gazebo.
+//! Maps and mazes of other programs: occupancy grids, images, MovingAI maps, micro-mouse mazes, worlds of Gazebo.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -27,23 +27,23 @@ fn codes(loaded: &Loaded) -> Vec<&'static str> {
     loaded.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
-fn of_yaml(yaml: &str, image: &[u8]) -> Loaded {
+fn load_yaml(yaml: &str, image: &[u8]) -> Loaded {
     load(&[("m.yaml", yaml.as_bytes()), ("a.pgm", image)])
 }
 
-/// The walls as ends in millimetres, in the order of the world.
+/// The ends of the walls in millimetres, in the order of the world.
 fn ends(world: &WorldSpec) -> Vec<[i64; 4]> {
     let mm = |metres: f64| (metres * 1000.0).round() as i64;
     world.walls.iter().map(|wall| [wall.from.x, wall.from.y, wall.to.x, wall.to.y].map(mm)).collect()
 }
 
-fn run(files: &MemoryFiles, from: &str, to: &str, options: ConvertOptions) -> Converted {
+fn convert(files: &MemoryFiles, from: &str, to: &str, options: ConvertOptions) -> Converted {
     convert_with(from, to, options, files, &|_, _| None)
 }
 
 #[test]
 fn walls_go_around_the_free_cells_and_close_the_border() {
-    let loaded = of_yaml(YAML, PGM.as_bytes());
+    let loaded = load_yaml(YAML, PGM.as_bytes());
     assert_eq!(codes(&loaded), [""; 0]);
     let world = &loaded.scene.world;
     assert_eq!(world.floor, DVec2::new(3.0 * 0.05, 2.0 * 0.05));
@@ -68,9 +68,9 @@ fn walls_go_around_the_free_cells_and_close_the_border() {
 #[test]
 fn a_turned_map_lies_on_its_floor() {
     let turned = YAML.replace("[-1.0, -0.5, 0.0]", "[2.0, 3.0, 1.5707963267948966]");
-    let loaded = of_yaml(&turned, b"P1 3 2 111 111");
+    let loaded = load_yaml(&turned, b"P1 3 2 111 111");
     assert!(loaded.scene.world.walls.is_empty());
-    let loaded = of_yaml(&turned, b"P1 3 2 000 100");
+    let loaded = load_yaml(&turned, b"P1 3 2 000 100");
     let world = &loaded.scene.world;
     assert!((world.floor - DVec2::new(0.1, 0.15)).abs().max_element() < 1e-12, "{}", world.floor);
     let (low, high) = world.bounds();
@@ -82,7 +82,7 @@ fn a_turned_map_lies_on_its_floor() {
 
 #[test]
 fn variants_of_the_yaml_give_the_same_map() {
-    let plain = of_yaml(YAML, PGM.as_bytes()).scene.world;
+    let plain = load_yaml(YAML, PGM.as_bytes()).scene.world;
     let same = [
         YAML.replace('\n', "\r\n"),
         YAML.trim_end().to_owned(),
@@ -98,12 +98,12 @@ fn variants_of_the_yaml_give_the_same_map() {
         YAML.lines().rev().map(|line| format!("{line}  \n")).collect(),
     ];
     for yaml in same {
-        let loaded = of_yaml(&yaml, PGM.as_bytes());
+        let loaded = load_yaml(&yaml, PGM.as_bytes());
         assert_eq!((codes(&loaded), ends(&loaded.scene.world)), (vec![], ends(&plain)), "{yaml}");
     }
-    let negated = of_yaml(&YAML.replace("negate: 0", "negate: 1"), b"P2 3 2 255 1 1 50 255 1 1");
+    let negated = load_yaml(&YAML.replace("negate: 0", "negate: 1"), b"P2 3 2 255 1 1 50 255 1 1");
     assert_eq!(ends(&negated.scene.world), ends(&plain));
-    let raw = of_yaml(&format!("{YAML}mode: raw"), b"P2 3 2 255 0 0 255 100 0 0");
+    let raw = load_yaml(&format!("{YAML}mode: raw"), b"P2 3 2 255 0 0 255 100 0 0");
     assert_eq!(ends(&raw.scene.world), ends(&plain));
 }
 
@@ -129,7 +129,7 @@ fn mistakes_of_a_map_are_reported_with_their_locations() {
         (format!("{YAML}{{image: a}}\n"), &[("map-key", 7, 1, warning)]),
     ];
     for (yaml, expected) in cases {
-        let loaded = of_yaml(&yaml, PGM.as_bytes());
+        let loaded = load_yaml(&yaml, PGM.as_bytes());
         let reported: Vec<Expected> = loaded
             .diagnostics
             .iter()
@@ -144,7 +144,7 @@ fn mistakes_of_a_map_are_reported_with_their_locations() {
 
 #[test]
 fn every_variant_of_netpbm_is_read() {
-    let expected = ends(&of_yaml(YAML, b"P1\n3 2\n0 0 1\n1 0 0\n").scene.world);
+    let expected = ends(&load_yaml(YAML, b"P1\n3 2\n0 0 1\n1 0 0\n").scene.world);
     assert_eq!(expected.len(), 8);
     let wide: Vec<u8> = [254_u16, 254, 0, 0, 254, 254].iter().flat_map(|level| (level * 257).to_be_bytes()).collect();
     let images: [Vec<u8>; 10] = [
@@ -160,7 +160,7 @@ fn every_variant_of_netpbm_is_read() {
         [b"P5 3 2 65535\n".to_vec(), wide].concat(),
     ];
     for image in images {
-        let loaded = of_yaml(YAML, &image);
+        let loaded = load_yaml(YAML, &image);
         let text = image.escape_ascii().to_string();
         assert_eq!((codes(&loaded), ends(&loaded.scene.world)), (vec![], expected.clone()), "{text}");
     }
@@ -174,14 +174,14 @@ fn a_png_is_a_map_too() {
     let levels = [254, 254, 205, 0, 254, 254];
     let image = image::GrayImage::from_raw(3, 2, levels.to_vec()).expect("six pixels");
     image.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).expect("an image");
-    let plain = of_yaml(YAML, PGM.as_bytes());
-    assert_eq!(of_yaml(YAML, &png).scene.world.walls, plain.scene.world.walls);
+    let plain = load_yaml(YAML, PGM.as_bytes());
+    assert_eq!(load_yaml(YAML, &png).scene.world.walls, plain.scene.world.walls);
     // Clear pixels are unknown in the mode `scale`.
     let pixels = levels.iter().flat_map(|level| [*level; 3].into_iter().chain([if *level == 205 { 9 } else { 255 }]));
     let image = image::RgbaImage::from_raw(3, 2, pixels.collect()).expect("six pixels");
     let mut clear = Vec::new();
     image.write_to(&mut std::io::Cursor::new(&mut clear), image::ImageFormat::Png).expect("an image");
-    let loaded = of_yaml(&format!("{YAML}mode: scale"), &clear);
+    let loaded = load_yaml(&format!("{YAML}mode: scale"), &clear);
     assert_eq!(loaded.scene.world.walls, plain.scene.world.walls);
 }
 
@@ -202,16 +202,16 @@ fn broken_images_are_errors_and_allocate_no_memory() {
         (b"P1 3 2 001200", "map-image"),
     ];
     for (image, code) in images {
-        let loaded = of_yaml(YAML, image);
+        let loaded = load_yaml(YAML, image);
         let text = image.escape_ascii().to_string();
         assert_eq!((codes(&loaded), loaded.has_errors()), (vec![code], true), "{text}");
         assert_eq!(loaded.diagnostics[0].file, "a.pgm");
     }
-    let reported = &of_yaml(YAML, b"P2\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
+    let reported = &load_yaml(YAML, b"P2\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
     assert_eq!((reported.span.line, reported.span.column), (5, 3), "{reported}");
-    let reported = &of_yaml(YAML, b"P2\n# \xff\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
+    let reported = &load_yaml(YAML, b"P2\n# \xff\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
     assert!(reported.span.line == 0 && reported.message.ends_with("at byte 23"), "{reported}");
-    let reported = &of_yaml(YAML, b"P5 3 2 255\n123456789").diagnostics[0];
+    let reported = &load_yaml(YAML, b"P5 3 2 255\n123456789").diagnostics[0];
     assert_eq!((reported.severity, reported.message.contains("3 bytes")), (Severity::Warning, true), "{reported}");
 }
 
@@ -220,20 +220,20 @@ fn a_map_with_too_many_walls_is_refused() {
     let side = 1500;
     let mut image = format!("P5 {side} {side} 255\n").into_bytes();
     image.extend((0..side * side).map(|at| if (at / side + at % side) % 2 == 0 { 0 } else { 254 }));
-    assert_eq!(codes(&of_yaml(YAML, &image)), ["map-size"]);
+    assert_eq!(codes(&load_yaml(YAML, &image)), ["map-size"]);
 }
 
 #[test]
 fn conversion_between_grids_keeps_the_origin() {
     let files: MemoryFiles = [("m.yaml", YAML.as_bytes()), ("a.pgm", PGM.as_bytes())].into_iter().collect();
-    let converted = run(&files, "m.yaml", "sub/b.yaml", ConvertOptions::default());
+    let converted = convert(&files, "m.yaml", "sub/b.yaml", ConvertOptions::default());
     let [yaml, image] = &converted.outputs[..] else { panic!("{:?}", converted.diagnostics) };
     assert_eq!((yaml.path.as_str(), image.path.as_str()), ("sub/b.yaml", "sub/b.pgm"));
     assert_eq!(image.bytes, b"P5\n3 2\n255\n\xfe\xfe\xcd\x00\xfe\xfe");
     let expected = "image: b.pgm\nmode: trinary\nresolution: 0.05\norigin: [-1, -0.5, 0]\nnegate: 0\n\
                     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
     assert_eq!(yaml.text(), expected);
-    let converted = run(&files, "m.yaml", "b.pbm", ConvertOptions::default());
+    let converted = convert(&files, "m.yaml", "b.pbm", ConvertOptions::default());
     assert_eq!(converted.outputs[0].bytes, b"P4\n3 2\n\x20\x80");
     let lost: Vec<&str> = converted.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(lost, ["convert-lost"; 2]);
@@ -245,7 +245,7 @@ fn a_room_becomes_a_map() {
                 500 0 500 300\n200 310 300 310 40 200\nposition 100 100 0\n";
     let files: MemoryFiles = [("r.wld", room)].into_iter().collect();
     let options = ConvertOptions { map_cell: Some(0.1), ..ConvertOptions::default() };
-    let converted = run(&files, "r.wld", "r.yaml", options);
+    let converted = convert(&files, "r.wld", "r.yaml", options);
     let [yaml, image] = &converted.outputs[..] else { panic!("{:?}", converted.diagnostics) };
     assert!(yaml.text().contains("resolution: 0.1\norigin: [-0.1, -0.1, 0]"), "{}", yaml.text());
     let head = b"P5\n12 8\n255\n".len();
@@ -283,7 +283,7 @@ fn a_scene_becomes_a_map_of_what_its_robots_reach() {
                  [[robot]]\ntype = \"S4\"\nx_mm = 250\ny_mm = 500\n";
     let files: MemoryFiles = [("s.scene.toml", scene)].into_iter().collect();
     let options = ConvertOptions { map_cell: Some(0.25), ..ConvertOptions::default() };
-    let converted = run(&files, "s.scene.toml", "s.pgm", options);
+    let converted = convert(&files, "s.scene.toml", "s.pgm", options);
     let text = |bytes: &[u8]| {
         bytes
             .iter()
@@ -332,7 +332,7 @@ proptest! {
         }).collect();
         let image = format!("P1\n{columns} {}\n{image}", grid.size[1]);
         let yaml = YAML.replace("0.05", &cell.to_string()).replace(", 0.0]", &format!(", {yaw}]"));
-        let loaded = of_yaml(&yaml, image.as_bytes());
+        let loaded = load_yaml(&yaml, image.as_bytes());
         prop_assert!(!loaded.has_errors(), "{:?}", loaded.diagnostics);
         let mut world = loaded.scene.world;
         // Each wall has free space on its left and none on its right, so there are as many upwards as downwards.
@@ -700,7 +700,7 @@ fn scenarios_become_a_suite() {
     assert_eq!(wrong.diagnostics.len(), 2, "{:?}", wrong.diagnostics);
     let scenarios = scenarios.replace("4.41421356", "5").replace("4.82842712", "5.0");
     let mut files: MemoryFiles = [("a.map.scen", scenarios.as_str()), ("a.map", MAP)].into_iter().collect();
-    let converted = run(&files, "a.map.scen", "a.suite.toml", ConvertOptions::default());
+    let converted = convert(&files, "a.map.scen", "a.suite.toml", ConvertOptions::default());
     assert_eq!(converted.diagnostics, []);
     assert_eq!(
         converted.outputs.iter().map(|it| it.path.as_str()).collect::<Vec<_>>(),
@@ -829,6 +829,6 @@ fn mistakes_of_worlds_are_reported_with_their_locations() {
     }
     let deep = "<sdf>".repeat(100_000);
     assert_eq!(codes(&load(&[("w.sdf", deep.as_bytes())])), ["sdf-syntax"]);
-    // A `.world` that is not XML is a world of walls.
+    // A `.world` that is not XML is read as a list of walls.
     assert_eq!(codes(&load(&[("w.world", b"floor 1000 1000\n0 0 1000 0\n")])), [""; 0]);
 }

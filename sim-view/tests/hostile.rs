@@ -181,7 +181,7 @@ fn malformed_messages_are_refused() {
         (r#"{"type":"act","number":1,"command":{"command":"run","x":1}}"#, "unknown field `x`"),
         (r#"{"type":"act","number":1,"command":{"command":"speed","factor":1e999}}"#, "number out of range"),
         (r#"{"type":"act","number":1,"command":{"command":"act","action":{"do":"fly"}}}"#, "unknown variant `fly`"),
-        (r#"{"type":"hello","protocol":1,"token":null}"#, "`hello` is the first message only"),
+        (r#"{"type":"hello","protocol":1,"token":null}"#, "`hello` must be the first message"),
         (&nested, "invalid type: sequence"),
         (&deep, "recursion limit exceeded"),
     ] {
@@ -201,7 +201,7 @@ fn malformed_messages_are_refused() {
     }
     let mut client = Client::connect(&window);
     client.send(Message::binary(vec![0xff; 1000])).unwrap();
-    assert_eq!(client.receive_close(), Some((1003, "messages are texts".into())));
+    assert_eq!(client.receive_close(), Some((1003, "messages must be text".into())));
     witness.check(&window);
 }
 
@@ -289,7 +289,7 @@ fn a_flood_of_commands_is_refused() {
         flood.act(number);
     }
     for number in 33..=200 {
-        assert_eq!(flood.receive_answer(), (number, Some("too many commands of this page wait already".into())));
+        assert_eq!(flood.receive_answer(), (number, Some("too many commands of this page are waiting".into())));
     }
     for number in 1..=32 {
         window.commands().try_recv().unwrap().accept();
@@ -305,7 +305,7 @@ fn a_flood_of_commands_is_refused() {
     }
     for page in &mut pages[8..] {
         for number in 1..=32 {
-            assert_eq!(page.receive_answer(), (number, Some("too many commands wait already".into())));
+            assert_eq!(page.receive_answer(), (number, Some("too many commands are waiting".into())));
         }
     }
     assert_eq!(std::iter::from_fn(|| window.commands().try_recv()).map(|pending| pending.accept()).count(), 256);

@@ -86,7 +86,7 @@ fn assert_golden(more: &[&str]) {
     }
     let lines: Vec<String> =
         changed.iter().map(|(index, digest)| format!("{}: now {digest}", goldens[*index].scene)).collect();
-    assert!(lines.is_empty(), "with {more:?} these runs are no longer what they were:\n{}", lines.join("\n"));
+    assert!(lines.is_empty(), "with {more:?} these runs have changed:\n{}", lines.join("\n"));
 }
 
 #[test]

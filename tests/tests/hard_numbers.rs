@@ -21,12 +21,12 @@ fn run(fixture: &str) {
 
 #[test]
 fn extreme_floats_do_no_harm_in_robios_6() {
-    run("ugly-floats.c");
+    run("extreme-floats.c");
 }
 
 #[test]
 fn extreme_integers_do_no_harm_in_robios_7() {
-    run("ugly-ints.c");
+    run("extreme-ints.c");
 }
 
 /// Names of the functions of a header that take a parameter of one of these types.
@@ -51,7 +51,7 @@ fn the_programs_know_every_function_that_takes_a_number() {
     let left_out = ["KEYWait", "OSError", "RADIOReceive", "AURecord", "SERSend"];
     let floats = ["float", "double", "meter", "meterPerSec", "radians", "radPerSec"];
     for (header, fixture, types, least) in
-        [(HEADERS6, "ugly-floats.c", &floats[..], 8), (HEADERS7, "ugly-ints.c", &["int"], 60)]
+        [(HEADERS6, "extreme-floats.c", &floats[..], 8), (HEADERS7, "extreme-ints.c", &["int"], 60)]
     {
         let program = std::fs::read_to_string(root().join("tests/fixtures").join(fixture)).expect("the fixture");
         let all = functions(header, types);

@@ -341,13 +341,13 @@ int main(void)
 fn extreme_numbers_do_no_harm() {
     let scratch = Scratch::new();
     scratch.write(
-        "ugly.c",
+        "extreme.c",
         r#"#include <limits.h>
 #include <stdio.h>
 #include "eyebot.h"
 #define ASK(call) \
-  for (n = 0; n < (int)(sizeof ugly / sizeof *ugly); n++) { \
-    int u = ugly[n], x = -1, y = -1, phi = -1; \
+  for (n = 0; n < (int)(sizeof values / sizeof *values); n++) { \
+    int u = values[n], x = -1, y = -1, phi = -1; \
     (void)(call); \
     OSWait(300); \
     SIMSetRobot(0, 2000, 2000, 0, 0); \
@@ -361,7 +361,7 @@ fn extreme_numbers_do_no_harm() {
   }
 int main(void)
 {
-  static const int ugly[] = { INT_MIN, -65536, -1, 0, 1, 2, 3, 300, 65536, INT_MAX };
+  static const int values[] = { INT_MIN, -65536, -1, 0, 1, 2, 3, 300, 65536, INT_MAX };
   float numbers[6], mm;
   int n;
   ASK(LEGSetGait(u))
@@ -383,7 +383,7 @@ int main(void)
 }
 "#,
     );
-    scene(&scratch, &[("Biped", "ugly.c", "api = 7")]);
+    scene(&scratch, &[("Biped", "extreme.c", "api = 7")]);
     let (_, trace) = run(&scratch, &[]);
     assert_eq!(printed(&trace, 1), ["done"]);
     let postures = trace.iter().filter(|event| event["event"] == "posture");

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use tests::{Ran, Scratch, number, write_scene};
 
 /// Writes a trace that contains only interventions, each at a time in seconds.
-fn write_hand(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
+fn write_interventions(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
     let header = json!({"event": "header", "schema": 1, "eyesim_version": env!("CARGO_PKG_VERSION"), "seed": 0, "slot_us": 50_000, "robots": []});
     let line = |(t_s, action): &(f64, Value)| {
         json!({"t_s": t_s, "event": "intervention", "action": action}).to_string() + "\n"
@@ -15,8 +15,8 @@ fn write_hand(scratch: &Scratch, name: &str, actions: &[(f64, Value)]) {
 
 /// Runs `sim` with the interventions `actions`; writes `trace.jsonl` and returns the report.
 fn run(scratch: &Scratch, sim: &str, actions: &[(f64, Value)], args: &[&str], code: i32) -> Value {
-    write_hand(scratch, "hand.jsonl", actions);
-    let all = [&["--repeat", "hand.jsonl", "--trace", "trace.jsonl"][..], args].concat();
+    write_interventions(scratch, "interventions.jsonl", actions);
+    let all = [&["--repeat", "interventions.jsonl", "--trace", "trace.jsonl"][..], args].concat();
     scratch.report(sim, &all, code)
 }
 
@@ -261,12 +261,12 @@ fn impossible_interventions_are_refused_without_effect() {
         ),
     ];
     let actions: Vec<_> = refused.iter().map(|(action, _)| (1.0, action.clone())).collect();
-    write_hand(&scratch, "hand.jsonl", &actions);
+    write_interventions(&scratch, "interventions.jsonl", &actions);
     let ran = scratch.eyesim(&[
         "run",
         "scene.sim",
         "--repeat",
-        "hand.jsonl",
+        "interventions.jsonl",
         "--trace",
         "trace.jsonl",
         "--report",
@@ -318,7 +318,7 @@ fn numbers(seed: u64) -> impl FnMut(u32) -> u32 {
 }
 
 /// Thirty random interventions within 40 s, at the starts of slots of 50 ms.
-fn random_hand(seed: u64) -> Vec<(f64, Value)> {
+fn random_interventions(seed: u64) -> Vec<(f64, Value)> {
     let mut below = numbers(seed);
     let mut actions: Vec<(f64, Value)> = (0..30)
         .map(|_| {
@@ -361,10 +361,10 @@ fn thirty_interventions_of_all_kinds_repeat_to_the_same_digest() {
     );
     let plain = scratch.report("busy.sim", &["--until", "45"], 0)["digest"].clone();
     for seed in 1..=4_u64 {
-        let hand = random_hand(seed);
+        let interventions = random_interventions(seed);
         let args = ["--until", "45", "--seed", "3", "--noise", "mild"];
         let args = if seed % 2 == 0 { &args[..] } else { &args[..4] };
-        let report = run(&scratch, "busy.sim", &hand, args, 0);
+        let report = run(&scratch, "busy.sim", &interventions, args, 0);
         assert_eq!(events(&scratch, "intervention").len(), 30, "seed {seed}");
         assert_ne!(report["digest"], plain);
         assert_same_again(&scratch, &report, &["--threads", "1"]);
@@ -447,11 +447,12 @@ fn a_file_that_is_not_a_trace_is_reported_before_anything_runs() {
             assert!(ran.stderr.contains(why), "{args:?}: {ran:#?}");
         }
     }
-    write_hand(&scratch, "hand.jsonl", &[]);
-    let ran = verify(&scratch, "hand.jsonl", &[]);
+    write_interventions(&scratch, "interventions.jsonl", &[]);
+    let ran = verify(&scratch, "interventions.jsonl", &[]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("has no arguments to repeat the run"), "{ran:#?}");
-    let ran = scratch.eyesim(&["run", "scene.sim", "--repeat", "hand.jsonl", "--trace", "hand.jsonl"]);
+    let ran =
+        scratch.eyesim(&["run", "scene.sim", "--repeat", "interventions.jsonl", "--trace", "interventions.jsonl"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
     assert!(ran.stderr.contains("would overwrite"), "{ran:#?}");
 }
@@ -464,11 +465,11 @@ fn compressed_and_filtered_traces_repeat_a_run() {
     let actions = [(1.0, place_robot(1, 2.0, 2.5, 0.0))];
     let report = run(&scratch, "scene.sim", &actions, &[], 0);
     let digest = report["digest"].as_str().expect("a digest");
-    let write = |hand: &str, args: &[&str]| {
-        let repeated = scratch.report("scene.sim", &[&["--repeat", hand][..], args].concat(), 0);
+    let write = |interventions: &str, args: &[&str]| {
+        let repeated = scratch.report("scene.sim", &[&["--repeat", interventions][..], args].concat(), 0);
         assert_eq!(repeated["digest"], digest, "{args:?}");
     };
-    write("hand.jsonl", &["--trace", "whole.jsonl.zst"]);
+    write("interventions.jsonl", &["--trace", "whole.jsonl.zst"]);
     let bytes = |name: &str| std::fs::read(scratch.path().join(name)).expect("a file");
     assert!(bytes("whole.jsonl.zst").len() < bytes("trace.jsonl").len());
     let diff = scratch.eyesim(&["diff", "trace.jsonl", "whole.jsonl.zst"]);
@@ -480,7 +481,7 @@ fn compressed_and_filtered_traces_repeat_a_run() {
     let html = scratch.eyesim(&["replay", "whole.jsonl.zst", "--html", "whole.html"]);
     assert_eq!(html.code, Some(0), "{html:#?}");
 
-    write("hand.jsonl", &["--trace", "few.jsonl", "--trace-only", "contact, program_started"]);
+    write("interventions.jsonl", &["--trace", "few.jsonl", "--trace-only", "contact, program_started"]);
     let lines = scratch.trace("few.jsonl");
     let kinds: std::collections::BTreeSet<&str> = lines.iter().filter_map(|line| line["event"].as_str()).collect();
     assert_eq!(

@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tests::{Ran, Scratch, number};
 
-fn write_hand(scratch: &Scratch, actions: &[(f64, Value)]) {
+fn write_interventions(scratch: &Scratch, actions: &[(f64, Value)]) {
     let header = json!({"event": "header", "schema": 1, "eyesim_version": env!("CARGO_PKG_VERSION"), "seed": 0, "slot_us": 50_000, "robots": []});
     let line = |(t_s, action): &(f64, Value)| {
         json!({"t_s": t_s, "event": "intervention", "action": action}).to_string() + "\n"
     };
     let lines: String = actions.iter().map(line).collect();
-    scratch.write("hand.jsonl", &format!("{header}\n{lines}"));
+    scratch.write("interventions.jsonl", &format!("{header}\n{lines}"));
 }
 
 fn add_robot(kind: &str, program_of: Option<u32>, x_m: f64, y_m: f64) -> Value {
@@ -65,7 +65,7 @@ int main(void) {
 #[test]
 fn a_run_with_spawned_robots_is_the_same_on_threads_and_in_processes() {
     let scratch = scene("robi bot.robi talk.c 500 500 0\nrobi bot.robi talk.c 500 1500 0\n", &[("talk.c", TALK)]);
-    write_hand(
+    write_interventions(
         &scratch,
         &[
             (1.0, add_robot("Bot", Some(1), 0.5, 2.5)),
@@ -78,7 +78,7 @@ fn a_run_with_spawned_robots_is_the_same_on_threads_and_in_processes() {
         ],
     );
     let run = |args: &[&str]| {
-        let args = [&["--repeat", "hand.jsonl", "--trace", "trace.jsonl"], args].concat();
+        let args = [&["--repeat", "interventions.jsonl", "--trace", "trace.jsonl"], args].concat();
         scratch.report("scene.sim", &args, 0)
     };
     let report = run(&["--threads", "1"]);
@@ -125,7 +125,7 @@ int main(void) {
 #[test]
 fn cameras_see_spawned_robots_and_objects_only_while_they_exist() {
     let scratch = scene("robi bot.robi see.c 500 2000 0\n", &[("see.c", SEE)]);
-    write_hand(
+    write_interventions(
         &scratch,
         &[
             (1.5, add_object("Crate", 1.5, 2.0)),
@@ -134,7 +134,7 @@ fn cameras_see_spawned_robots_and_objects_only_while_they_exist() {
             (3.5, remove_robot(2)),
         ],
     );
-    let report = scratch.report("scene.sim", &["--repeat", "hand.jsonl"], 0);
+    let report = scratch.report("scene.sim", &["--repeat", "interventions.jsonl"], 0);
     let lcd: Vec<&str> = report["robots"][0]["lcd"]
         .as_array()
         .map_or(Vec::new(), |lines| lines.iter().filter_map(Value::as_str).collect());
@@ -164,11 +164,11 @@ int main(void) {
 fn programs_of_robios_7_see_spawned_entities_under_new_numbers() {
     let robots = "robi bot.robi numbers.c 500 500 0\nrobi bot.robi numbers.c 500 1500 0\n";
     let scratch = scene(robots, &[("numbers.c", NUMBERS)]);
-    write_hand(
+    write_interventions(
         &scratch,
         &[(1.5, add_robot("Bot", None, 1.2, 1.0)), (1.5, add_object("Can", 2.0, 1.0)), (2.5, remove_robot(3))],
     );
-    let report = scratch.report("scene.sim", &["--repeat", "hand.jsonl"], 0);
+    let report = scratch.report("scene.sim", &["--repeat", "interventions.jsonl"], 0);
     let lcd = report["robots"][0]["lcd"].to_string();
     assert!(lcd.contains("2 0 -1 -1; 2 0 1200 2000; 2 0 -1 2000;"), "{lcd}");
     assert_eq!(number(&report["objects"][0], "pose.x_m"), 3.0);
@@ -185,11 +185,19 @@ int main() { Stays stays; KEYGet(); return 0; }
 fn a_removed_program_that_does_not_exit_is_abandoned() {
     let robots = "robi bot.robi talk.c 500 500 0\nrobi bot.robi stays.cpp 500 1500 0\n";
     let scratch = scene(robots, &[("talk.c", TALK), ("stays.cpp", STAYS)]);
-    write_hand(&scratch, &[(1.0, remove_robot(2))]);
+    write_interventions(&scratch, &[(1.0, remove_robot(2))]);
     for exec in ["thread", "process"] {
         let began = Instant::now();
-        let ran: Ran =
-            scratch.eyesim(&["run", "scene.sim", "--repeat", "hand.jsonl", "--exec", exec, "--report", "r.json"]);
+        let ran: Ran = scratch.eyesim(&[
+            "run",
+            "scene.sim",
+            "--repeat",
+            "interventions.jsonl",
+            "--exec",
+            exec,
+            "--report",
+            "r.json",
+        ]);
         assert_eq!(ran.code, Some(0), "{ran:#?}");
         assert!(ran.stderr.contains("did not leave"), "{ran:#?}");
         assert!(began.elapsed() < Duration::from_secs(30), "it is not waited for");

@@ -296,7 +296,7 @@ fn biped() -> Walker {
         is_natural: true,
     };
     let legs = vec![leg("LEFT", 0.09), leg("RIGHT", -0.09)];
-    let legs = Legs { legs, gaits: vec![gait], step_height: 0.0, radius: 0.03, belly: 0.9 };
+    let legs = Legs { legs, gaits: vec![gait], step_height: 0.0, radius: 0.03, underside: 0.9 };
     Walker { name: "biped", legs: Arc::new(legs), limits: [1.5, 90_f64.to_radians()] }
 }
 
@@ -323,7 +323,7 @@ fn alduro() -> Walker {
         leg("BACK_LEFT", -0.9, 0.7),
         leg("BACK_RIGHT", -0.9, -0.7),
     ];
-    let legs = Legs { legs, gaits: vec![gait], step_height: 0.2, radius: 0.06, belly: 1.8 };
+    let legs = Legs { legs, gaits: vec![gait], step_height: 0.2, radius: 0.06, underside: 1.8 };
     Walker { name: "ALDURO", legs: Arc::new(legs), limits: [0.6, 15_f64.to_radians()] }
 }
 

@@ -18,7 +18,7 @@ use crate::run::{Job, Run, Scene};
 use sim_core::drive::legged::natural_angles;
 use sim_core::time::Time;
 use sim_host::launch::Options;
-pub use walk::{Kind, Met, Moment, MountPoint, SCENE, Sample, Thing, Truth, Walk};
+pub use walk::{Hit, Kind, Moment, MountPoint, SCENE, Sample, Thing, Truth, Walk};
 
 /// Speed of the walk, mm/s: one stride of the gait (1.43 m for legs of this length) per gait period.
 pub const SPEED_MM_S: u32 = 1300;
@@ -160,7 +160,7 @@ impl Walk {
 /// moments of the trace until the robot stops.
 pub fn incidences(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind) -> Option<(f64, f64)> {
     let on_floor = walk.moments.iter().filter(|moment| moment.at <= walk.stopped()).filter_map(|moment| {
-        let hit = truth.met(&truth.ray(place, kind, moment));
+        let hit = truth.hit(&truth.ray(place, kind, moment));
         (hit.thing == Thing::Floor && hit.distance <= kind.max()).then_some(hit.incidence * 180.0 / PI)
     });
     on_floor.fold(None, |range, degrees| {

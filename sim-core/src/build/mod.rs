@@ -353,8 +353,8 @@ pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
     let gaits = gaits.iter().chain(&default_gait).map(|spec| gait(spec, legs.len())).collect();
     // Without colliders, the underside of the body is at the height of the hips.
     let hips = legs.iter().map(|leg| leg.hip.z).fold(f64::INFINITY, f64::min);
-    let belly = robi.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or(hips);
-    Some(Arc::new(Legs { legs, gaits, step_height: *step_height, radius: *radius, belly }))
+    let underside = robi.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or(hips);
+    Some(Arc::new(Legs { legs, gaits, step_height: *step_height, radius: *radius, underside }))
 }
 
 /// A leg of a robot type.

@@ -215,7 +215,7 @@ events! {
         /// The measured angle; `None` before the first measurement.
         angle_rad: Option<f64>,
     }
-    /// An encoder, bumper, infrared sensor, latch, A/D channel or other counter is read.
+    /// An encoder, bumper, infrared sensor, latch or A/D channel is read.
     Reading = "reading" {
         /// Name of the sensor.
         device: &'a str,
@@ -533,7 +533,7 @@ events! {
         text: &'a str,
     }
     /// A program has failed. A note: not part of the digest.
-    Fault = "fault" {
+    ProgramFailed = "fault" {
         /// Kind of the failure, such as `SIGSEGV` or `panic`.
         what: &'a str,
         /// Source file and line; empty if unknown.
@@ -571,7 +571,7 @@ impl Kind {
     /// Returns true for a note: an event that may differ between equal runs (source paths, thread numbers in a panic's
     /// message, calls recorded on request). Notes have no sequence number and are not part of the digest.
     pub fn is_note(self) -> bool {
-        matches!(self, Self::Stderr | Self::Fault | Self::Reason | Self::Hint | Self::Call)
+        matches!(self, Self::Stderr | Self::ProgramFailed | Self::Reason | Self::Hint | Self::Call)
     }
 }
 

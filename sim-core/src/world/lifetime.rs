@@ -173,18 +173,18 @@ impl World {
         wall.map(Thing::Wall).or_else(|| robot().map(Thing::Robot)).or_else(|| object().map(Thing::Object))
     }
 
-    /// The first side of the thick wall that contains `point`. If a fixed body contains `point`, the first wall of all
-    /// outlines; `None` if there is no such wall or body.
+    /// The first side of the thick wall that contains `point`. If there is none but a fixed body contains `point`, the
+    /// first wall of the outlines of all fixed bodies; otherwise `None`.
     fn surrounding_wall(&self, point: DVec2) -> Option<WallId> {
         let space = &self.indexed_space.space;
         let thick_walls = space.thick_walls.iter().map(|block| block.wall.0..block.wall.0 + 4);
         let outlines = space.outlines.map(|first| first.0..self.walls.len() as u32);
-        thick_walls.chain(outlines).find(|walls| self.enclose(walls.clone(), point)).map(|walls| WallId(walls.start))
+        thick_walls.chain(outlines).find(|walls| self.encloses(walls.clone(), point)).map(|walls| WallId(walls.start))
     }
 
     /// Returns true if `point` has a winding number other than 0 with respect to `walls`, closed outlines of the same
     /// orientation.
-    fn enclose(&self, walls: Range<u32>, point: DVec2) -> bool {
+    fn encloses(&self, walls: Range<u32>, point: DVec2) -> bool {
         let winding = |wall| {
             let segment = self.walls.segment(WallId(wall));
             let (a, b) = (segment.a - point, segment.b - point);

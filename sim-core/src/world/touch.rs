@@ -60,7 +60,7 @@ impl World {
         let (legs, ground) = (motion.legs()?, motion.ground()?);
         let mut contacts = Vec::new();
         let mut clearance = max_clearance;
-        let underside = world_from_robot.position.extend(stance.lift + legs.belly);
+        let underside = world_from_robot.position.extend(stance.lift + legs.underside);
         let (_, highest) = ground.height_bounds_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
         if underside.z <= highest {

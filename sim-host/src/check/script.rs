@@ -31,7 +31,7 @@ pub struct Evidence<'r> {
     /// Ends programs that are running.
     pub interrupt: &'r Interrupt,
     /// True if check programs may run: the scene is the user's own.
-    pub may_run: bool,
+    pub may_run_checks: bool,
 }
 
 /// The last line that a program prints on its standard output.
@@ -102,9 +102,9 @@ pub(super) fn judge(
     let CheckKind::Script { program, arguments, timeout, folder } = kind else {
         return Err("it was not evaluated".to_owned());
     };
-    let Evidence { events, interrupt, may_run } = evidence.ok_or("it was not evaluated")?;
+    let Evidence { events, interrupt, may_run_checks } = evidence.ok_or("it was not evaluated")?;
     let name = &program.text;
-    if !may_run {
+    if !may_run_checks {
         return Err(format!("`{name}` of the archive was not run: `--allow-execute` allows it"));
     }
     let mut command = command(&Path::new(folder).join(name)).map_err(|why| format!("`{name}` {why}"))?;

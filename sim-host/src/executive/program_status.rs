@@ -34,7 +34,7 @@ impl ProgramStatus {
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
         if let Some(FailureReport { description, location, last_call }) = &self.failure_report {
-            journal.record(now, &Event::Fault { what: description, location, last_call });
+            journal.record(now, &Event::ProgramFailed { what: description, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
         if let Some(text) = &self.reason {

@@ -178,7 +178,7 @@ impl Ready {
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;
         let sandbox = options.sandbox.as_ref().map(Sandbox::report);
-        let judging = Judging { sandbox, tally, notes, events, interrupt, may_run: options.may_run_checks };
+        let judging = Judging { sandbox, tally, notes, events, interrupt, may_run_checks: options.may_run_checks };
         Ok(Running { scheduler, settings, scene, scenery, inputs, judging })
     }
 
@@ -253,7 +253,7 @@ struct Judging {
     events: Option<Arc<Mutex<EventStore>>>,
     interrupt: Interrupt,
     /// The programs of checks may run.
-    may_run: bool,
+    may_run_checks: bool,
 }
 
 /// A run that has ended and is not yet judged.
@@ -284,7 +284,7 @@ impl EndedRun {
     /// Judges the run by the checks of its scene.
     pub fn judge(self) -> Finished {
         let Self { ended, settings, scene, scenery, mut inputs, judging } = self;
-        let Judging { sandbox, tally, notes, events, interrupt, may_run } = judging;
+        let Judging { sandbox, tally, notes, events, interrupt, may_run_checks } = judging;
         if let Some(built) = scenery.built() {
             let files = built.inputs.iter().map(|file| Input::new(Path::new(&file.path), &file.bytes));
             let new: Vec<Input> = files.filter(|file| inputs.iter().all(|known| known.path != file.path)).collect();
@@ -296,7 +296,7 @@ impl EndedRun {
             let environment = ended.run.environment.read();
             let findings = environment.monitor().into_iter().flat_map(Monitor::findings);
             let tally = tally.as_ref().map(|tally| tally.lock());
-            let evidence = events.as_deref().map(|events| Evidence { events, interrupt: &interrupt, may_run });
+            let evidence = events.as_deref().map(|events| Evidence { events, interrupt: &interrupt, may_run_checks });
             let mut checks = verdicts::results(&scene.checks, findings, tally.as_deref(), &report, evidence);
             for (index, series) in environment.monitor().into_iter().flat_map(Monitor::series) {
                 checks[index].series = Some(series.to_vec());
@@ -310,7 +310,7 @@ impl EndedRun {
 }
 
 /// Sink that reports mistakes in the meshes and images that cameras need, at the end of the slot in which a camera is
-/// first used. Ends the run if these mistakes reject the scene.
+/// first used. Ends the run if the scene is rejected because of these mistakes.
 struct SceneryDiagnostics {
     scenery: Arc<LazyScenery>,
     is_strict: bool,

@@ -165,7 +165,7 @@ impl Log {
 impl Sink for Log {
     fn interest(&self) -> KindSet {
         let always = KindSet::of(&[Kind::Stdout, Kind::Stderr, Kind::Hint]);
-        let verbose = KindSet::of(&[Kind::Call, Kind::Fault, Kind::Reason]);
+        let verbose = KindSet::of(&[Kind::Call, Kind::ProgramFailed, Kind::Reason]);
         if self.filter.is_verbose { always.union(verbose) } else { always }
     }
 
@@ -221,7 +221,7 @@ fn push_line(lines: &mut String, record: &Record<'_>, hint_location: Option<&str
         Event::Call { function, arguments, result } => {
             write!(lines, "{function}({}) = {}", Printable(arguments), Printable(result))
         }
-        Event::Fault { what, location, last_call } => {
+        Event::ProgramFailed { what, location, last_call } => {
             let at = if location.is_empty() { "" } else { " at " };
             let after = if last_call.is_empty() { "" } else { ", last call " };
             write!(lines, "{what}{at}{location}{after}{last_call}")
@@ -317,7 +317,7 @@ mod tests {
             (1, Event::Hint { text: "0 is not a handle" }),
             (2, Event::Call { function: "LCDClear", arguments: "", result: "" }),
             (2, Event::Stderr { text: "oh" }),
-            (2, Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "PSDGet" }),
+            (2, Event::ProgramFailed { what: "SIGSEGV", location: "maze.c:88", last_call: "PSDGet" }),
             (1, Event::Reason { text: "waits for KEY4" }),
         ];
         for (id, event) in events {

@@ -245,7 +245,7 @@ impl Mcap {
             }
             Event::Stdout { text } | Event::Reason { text } => (INFO, text.to_owned()),
             Event::Stderr { text } | Event::Hint { text } => (WARNING, text.to_owned()),
-            Event::Fault { what, location, last_call } => {
+            Event::ProgramFailed { what, location, last_call } => {
                 file = location;
                 let call = if last_call.is_empty() { String::new() } else { format!(" after {last_call}") };
                 (FATAL, format!("{what}{call}"))

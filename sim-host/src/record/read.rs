@@ -310,7 +310,7 @@ impl Recorded {
     fn add_event(&mut self, event: &RecordedEvent) -> Result<(), String> {
         if event.kind == Kind::Intervention.name() {
             let action = Action::from_json(&event.fields["action"])
-                .map_err(|error| format!("`action` is nothing that a hand can do: {error}"))?;
+                .map_err(|error| format!("`action` is not an intervention: {error}"))?;
             if self.interventions.last().is_some_and(|(last, _)| *last > event.at) {
                 return Err("it happened before the intervention above it".to_owned());
             }
@@ -396,8 +396,8 @@ mod tests {
             (r#"{"event":"pose","t_s":1e300}"#, "`t_s` 1e300 is not a time"),
             (r#"{"event":"slot","t_s":1}"#, "it has no `digest`"),
             (r#"{"event":"slot","t_s":1,"digest":"12"}"#, "it is not a line of a trace: a digest has 64"),
-            (r#"{"event":"intervention","t_s":1}"#, "`action` is nothing that a hand can do"),
-            (r#"{"event":"intervention","t_s":1,"action":{"do":"fly"}}"#, "`action` is nothing that a hand can do"),
+            (r#"{"event":"intervention","t_s":1}"#, "`action` is not an intervention"),
+            (r#"{"event":"intervention","t_s":1,"action":{"do":"fly"}}"#, "`action` is not an intervention"),
         ] {
             let found = line_2(line);
             assert!(found.starts_with(&format!("`t.jsonl`, line 2: {why}")), "{line}: {found}");

@@ -390,7 +390,7 @@ pub(super) mod tests {
             Event::Footfall { leg: "LEFT", x_m: 1.5, y_m: 0.25, z_m: 0.0 },
             Event::LegContact { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 1.5, y_m: 0.25, z_m: 0.1 },
             Event::Stderr { text: "thread main panicked" },
-            Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
+            Event::ProgramFailed { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
             Event::Reason { text: "fault" },
             Event::Hint { text: "metres" },
             Event::Call { function: "OSWait", arguments: "5", result: "0" },

@@ -97,12 +97,12 @@ pub struct Sample {
     /// Point that the program computed from the reading, ahead of the start and above the floor, m.
     pub point: Option<DVec2>,
     /// True hit of the sensor's ray at the time of the measurement.
-    pub truth: Met,
+    pub truth: Hit,
 }
 
 /// True hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
+pub struct Hit {
     /// Distance, m; infinite if nothing is hit.
     pub distance: f64,
     /// Incidence angle, rad.
@@ -150,7 +150,7 @@ pub struct Walk {
     pub footfalls: Vec<f64>,
     /// Times at which the body or a leg touched something, s.
     pub touches: Vec<f64>,
-    /// Last message of the program.
+    /// The last line that the program printed, its result.
     pub verdict: String,
     /// Distance from the body's centre to the face of the obstacle at the end, m.
     pub gap: f64,
@@ -233,11 +233,11 @@ impl Truth {
     }
 
     /// Hit of the sensor's ray.
-    pub fn met(&self, ray: &Pose3) -> Met {
+    pub fn hit(&self, ray: &Pose3) -> Hit {
         let direction = ray.forward();
         let Some(hit) = self.world.cast(RobotId(ROBOT), &Ray::new(ray.position, direction, FAR), Time::ZERO) else {
             let (distance, point) = (f64::INFINITY, DVec2::NAN);
-            return Met { distance, incidence: 0.0, point, thing: Thing::Nothing };
+            return Hit { distance, incidence: 0.0, point, thing: Thing::Nothing };
         };
         let point = self.ahead(ray.position + direction * hit.distance);
         // The furniture stands beside the path: within the obstacle's length and height there is only the obstacle.
@@ -252,7 +252,7 @@ impl Truth {
             _ => Thing::Other,
         };
         let incidence = hit.face.map_or(0.0, |face| incidence(direction, face.normal));
-        Met { distance: hit.distance, incidence, point, thing }
+        Hit { distance: hit.distance, incidence, point, thing }
     }
 
     /// Projects a world point onto the vertical plane of the walk: ahead of the start, above the floor.
@@ -281,7 +281,7 @@ impl Truth {
                 continue;
             };
             let at = measured.next().context("a line without a reading")?;
-            let truth = self.met(&self.ray(place, kind, &at_time(&moments, at)));
+            let truth = self.hit(&self.ray(place, kind, &at_time(&moments, at)));
             samples.push(Sample { at, distance, point, truth });
         }
         ensure!(!samples.is_empty(), "the program has printed no reading");
@@ -305,13 +305,13 @@ impl Truth {
 
 /// Positions of a leg's joints from the hip down and of its foot, in the world frame, m.
 pub fn leg_points(robi: &RobiSpec, links: &[Link], leg: usize, moment: &Moment) -> Vec<DVec3> {
-    let each = links.len() / 2;
-    let first = leg * each;
+    let links_per_leg = links.len() / 2;
+    let first = leg * links_per_leg;
     let world_from_robot = Pose3::from_planar(&moment.pose, moment.lift);
     let world_from = |link: usize| world_from_robot.then(&link_pose(links, &moment.joints, first + link));
-    let mut points: Vec<DVec3> = (each - 3..each).map(|link| world_from(link).position).collect();
+    let mut points: Vec<DVec3> = (links_per_leg - 3..links_per_leg).map(|link| world_from(link).position).collect();
     if let Some(foot) = robi.legs.as_ref().and_then(|legs| legs.legs.get(leg)?.foot) {
-        let ankle = world_from(each - 1);
+        let ankle = world_from(links_per_leg - 1);
         let sole = |ahead| ankle.transform_point(DVec3::new(ahead, 0.0, -foot.height));
         points.extend([sole(-foot.heel), sole(foot.toe), ankle.position]);
     }

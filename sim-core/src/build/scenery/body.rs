@@ -110,13 +110,13 @@ impl Hull {
     fn of_drive(robi: &RobiSpec) -> Self {
         let (diameter, wheel) = (robi.diameter, robi.wheel.diameter);
         let radius = 0.5 * diameter;
-        // The underside of a legged robot's hull is at its belly.
-        let belly = build::legs(robi).map_or(0.0, |legs| legs.belly);
+        // The hull of a legged robot begins at the underside of its body.
+        let underside = build::legs(robi).map_or(0.0, |legs| legs.underside);
         // Wheels are visible below the hull, and for a car also beside it.
         let (outline, bottom, half_size, height) = match robi.drive.kind {
             DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
             DriveKind::Legged | DriveKind::Thrusters => {
-                (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT)
+                (circle(radius, HULL_SIDES), underside, DVec2::splat(radius), ROUND_HEIGHT)
             }
             DriveKind::Ackermann | DriveKind::Omni => {
                 let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;

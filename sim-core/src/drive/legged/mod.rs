@@ -36,7 +36,7 @@ pub struct Legs {
     /// Radius of thighs and shanks, m.
     pub radius: f64,
     /// Height of the underside of the body in the robot's frame, m.
-    pub belly: f64,
+    pub underside: f64,
 }
 
 /// A command of a robot's program to its legs.

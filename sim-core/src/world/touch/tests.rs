@@ -150,7 +150,7 @@ fn walker(position: DVec2, ground: Ground) -> Motion {
         is_natural: false,
     };
     let legs = vec![leg("LEFT", 0.2), leg("RIGHT", -0.2)];
-    let legs = Legs { legs, gaits: vec![gait], step_height: 0.05, radius: 0.03, belly: 0.7 };
+    let legs = Legs { legs, gaits: vec![gait], step_height: 0.05, radius: 0.03, underside: 0.7 };
     let pose = Pose::new(position.x, position.y, 0.0);
     Motion::new(RobotId(1), Arc::new(model(DriveKind::Legged)), walls(), pose)
         .with_legs(Arc::new(legs), Arc::new(ground))

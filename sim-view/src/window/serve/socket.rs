@@ -11,7 +11,7 @@ use crate::protocol::{Answer, Command, Message, PROTOCOL, Request, Welcome};
 use crate::window::Look;
 use crate::window::hub::{PendingCommand, SentVersions, text_of};
 
-/// Longest message of a page, in bytes.
+/// Maximum length of a message from a page, in bytes.
 pub(super) const MAX_MESSAGE_BYTES: usize = 64 * 1024;
 /// Time limit for the first message.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
@@ -21,7 +21,7 @@ const WRONG_TOKEN_DELAY: Duration = Duration::from_millis(500);
 const PING_INTERVAL: Duration = Duration::from_secs(5);
 /// Time after which a page that reads or sends nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
-/// Speed of reading with which a page is not disconnected while it receives a long message.
+/// Minimum speed at which a page must read a long message; a slower page is disconnected.
 const MIN_BYTES_PER_SECOND: u64 = 10_000;
 /// Minimum time between two updates of a page: 60 a second.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(16);
@@ -36,12 +36,13 @@ const MAX_UNANSWERED: usize = 32;
 #[derive(Debug)]
 struct CloseReason {
     code: u16,
-    why: String,
+    text: String,
 }
 
 /// Close codes of RFC 6455 and of the protocol.
 mod code {
     pub(super) const GOING_AWAY: u16 = 1001;
+    pub(super) const PROTOCOL_ERROR: u16 = 1002;
     pub(super) const NOT_TEXT: u16 = 1003;
     pub(super) const TOO_BIG: u16 = 1009;
     pub(super) const TRY_LATER: u16 = 1013;
@@ -52,8 +53,8 @@ mod code {
 }
 
 impl CloseReason {
-    fn new(code: u16, why: impl Into<String>) -> CloseReason {
-        CloseReason { code, why: why.into() }
+    fn new(code: u16, text: impl Into<String>) -> CloseReason {
+        CloseReason { code, text: text.into() }
     }
 }
 
@@ -72,24 +73,24 @@ pub(super) async fn serve(mut socket: WebSocket, server: &Server) {
     }
 }
 
-/// Refuses a page with the reason `why`.
-pub(super) async fn refuse(socket: WebSocket, why: &str) {
-    close(socket, CloseReason::new(code::TRY_LATER, why)).await;
+/// Refuses a page; `reason` is the text of the close frame.
+pub(super) async fn refuse(socket: WebSocket, reason: &str) {
+    close(socket, CloseReason::new(code::TRY_LATER, reason)).await;
 }
 
 async fn close(mut socket: WebSocket, reason: CloseReason) {
     // A close frame has room for 123 bytes.
-    let mut why = reason.why;
-    why.truncate(why.floor_char_boundary(123));
-    let farewell = async {
-        let frame = CloseFrame { code: reason.code, reason: why.into() };
+    let mut text = reason.text;
+    text.truncate(text.floor_char_boundary(123));
+    let closing_handshake = async {
+        let frame = CloseFrame { code: reason.code, reason: text.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
-            // Unread messages of the page are drained: otherwise the system would drop the close frame together with
-            // the connection.
+            // Reads the remaining messages of the page: otherwise the system would drop the close frame together with the
+            // connection.
             while let Some(Ok(_)) = socket.recv().await {}
         }
     };
-    let _ = timeout(Duration::from_secs(1), farewell).await;
+    let _ = timeout(Duration::from_secs(1), closing_handshake).await;
 }
 
 async fn serve_page(socket: &mut WebSocket, server: &Server) -> End {
@@ -131,9 +132,9 @@ async fn hello(socket: &mut WebSocket, server: &Server) -> Result<bool, End> {
         return Err(Some(CloseReason::new(code::MALFORMED, "the first message is not `hello`")));
     };
     if protocol != PROTOCOL {
-        let why =
+        let reason =
             format!("the page speaks version {protocol} of the protocol, the server {PROTOCOL}: load the page again");
-        return Err(Some(CloseReason::new(code::VERSION, why)));
+        return Err(Some(CloseReason::new(code::VERSION, reason)));
     }
     match server.access.may_act(token.as_deref()) {
         Some(may_act) => Ok(may_act),
@@ -153,13 +154,13 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
     match frame {
         Some(Ok(Frame::Text(text))) => Ok(Some(text)),
         Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
-        Some(Ok(Frame::Binary(_))) => Err(Some(CloseReason::new(code::NOT_TEXT, "messages are texts"))),
+        Some(Ok(Frame::Binary(_))) => Err(Some(CloseReason::new(code::NOT_TEXT, "messages must be text"))),
         Some(Ok(Frame::Close(_))) | None => Err(None),
-        // A lost connection is treated like a violation of the protocol, except that its close frame is not delivered.
         Some(Err(error)) if error.to_string().contains("too long") => {
             Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MAX_MESSAGE_BYTES} bytes"))))
         }
-        Some(Err(error)) => Err(Some(CloseReason::new(1002, error.to_string()))),
+        // A violation of the protocol or a lost connection, to which no close frame is delivered.
+        Some(Err(error)) => Err(Some(CloseReason::new(code::PROTOCOL_ERROR, error.to_string()))),
     }
 }
 
@@ -255,7 +256,7 @@ impl PageConnection<'_> {
     /// Carries out a request; returns true if there may be new messages for the page.
     fn handle_request(&mut self, request: Request) -> Result<bool, End> {
         match request {
-            Request::Hello { .. } => Err(Some(CloseReason::new(code::MALFORMED, "`hello` is the first message only"))),
+            Request::Hello { .. } => Err(Some(CloseReason::new(code::MALFORMED, "`hello` must be the first message"))),
             Request::Look { robot, camera, calls } => {
                 self.look = robot.map(|robot| Look { robot, camera, calls });
                 self.sent.forget_detail();
@@ -275,9 +276,9 @@ impl PageConnection<'_> {
         if !self.may_act {
             pending.refuse("this page may only watch: it has no token");
         } else if self.unanswered > MAX_UNANSWERED {
-            pending.refuse("too many commands of this page wait already");
+            pending.refuse("too many commands of this page are waiting");
         } else if let Err(pending) = self.server.hub.enqueue(pending) {
-            pending.refuse("too many commands wait already");
+            pending.refuse("too many commands are waiting");
         }
     }
 }
