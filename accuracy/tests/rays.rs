@@ -55,7 +55,7 @@ fn random_rays_match_brute_force() {
 
 #[test]
 fn no_ray_passes_through_a_corner() {
-    // 0.18 m is the cell size of a micro-mouse maze. Rays begin in the middle of a cell, on a border or corner of
+    // 0.18 m is the cell size of a micro-mouse maze. Rays begin in the centre of a cell, on a border or corner of
     // cells, or anywhere.
     for (seed, corner) in (10..).zip([DVec2::ZERO, DVec2::new(0.1, -0.7), DVec2::new(-1e4, 1e4)]) {
         for cell in [0.18, 1.0] {

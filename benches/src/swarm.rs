@@ -40,7 +40,7 @@ fn world(robots: usize) -> String {
     )
 }
 
-/// The sim file: each robot in the middle of its cell.
+/// The sim file: each robot in the centre of its cell.
 fn scene(robots: usize) -> String {
     let mut sim = String::from("world swarm.wld\n");
     for index in 0..robots {

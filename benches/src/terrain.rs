@@ -157,7 +157,7 @@ pub fn level_rays(rays: &[crate::Ray]) -> Vec<Ray3> {
         .collect()
 }
 
-/// Rays from the middles of the cells of a maze on a grid of 1 m, aimed exactly at points of the diagonals that divide
+/// Rays from the centres of the cells of a maze on a grid of 1 m, aimed exactly at points of the diagonals that divide
 /// its walls into triangles. Their range ends 1 mm beyond the point. A ray without a hit has leaked.
 pub fn diagonal_rays(walls: &[Segment], count: usize) -> Vec<Ray3> {
     let mut random = Random::new(36);

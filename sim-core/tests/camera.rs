@@ -129,6 +129,6 @@ fn more_samples_soften_only_edges() {
     let view = view(1.0, 0.0, [50, 50]);
     let [hard, soft] = [1, 4].map(|samples| Camera::default().colour(&posed, &view, None, samples));
     let differing = hard.pixels().iter().zip(soft.pixels()).filter(|(hard, soft)| hard[0].abs_diff(soft[0]) > 2);
-    // The edges run through the middle of pixels.
+    // The edges run through the centres of pixels.
     assert_eq!(differing.count(), 4 * 26 - 4);
 }

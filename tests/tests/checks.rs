@@ -63,7 +63,7 @@ fn verdicts_and_instants_are_the_same_for_every_slot_length() {
     let (radius, (sin, cos)) = (0.7 / turn, turn.sin_cos());
     let end = [500.0 + 1e3 * radius * sin, 500.0 + 1e3 * radius * (1.0 - cos)];
     let top = [end[0] + 400.0 * cos, end[1] + 400.0 * sin];
-    // Discs beside the middle of the line. Their radius is the distance to the line, slightly more, or slightly less.
+    // Discs beside the midpoint of the line. Their radius is the distance to the line, slightly more, or slightly less.
     let middle = [0.5 * (end[0] + top[0]), 0.5 * (end[1] + top[1])];
     let beside = [middle[0] + 100.0 * sin, middle[1] - 100.0 * cos];
     let disc = |name: &str, radius: f64| {
@@ -369,7 +369,7 @@ fn metrics_of_swarms_are_the_same_for_every_slot_length_and_are_drawn() {
     for slot in ["1", "200", "700"] {
         assert_eq!(checks_of(slot), first, "slot {slot}");
     }
-    // The robots start 1 m apart, each 0.5 m from their middle. Then one drives 1 m aside in 5 s. Half of their
+    // The robots start 1 m apart, each 0.5 m from their midpoint. Then one drives 1 m aside in 5 s. Half of their
     // distance exceeds 600 mm after 663 mm, at 3.317 s. Their distance exceeds 1.1 m after 458 mm, at 2.291 s.
     let last =
         |index: usize| first[index]["series"].as_array().and_then(|series| series.last()).expect("values").clone();

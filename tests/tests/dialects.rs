@@ -116,7 +116,7 @@ fn assert_at(robot: &Value, x_mm: f64, y_mm: f64, phi_deg: f64) {
 /// End of [`HOOK`] for a robot that starts at (x, y) in mm, with its axle `axle_mm` ahead of its centre.
 fn end_of_hook(x: f64, y: f64, phi_deg: f64, axle_mm: f64) -> (f64, f64, f64) {
     let (sin, cos) = phi_deg.to_radians().sin_cos();
-    // The robot turns about the middle of its axle. So the axle ends `ahead` and `left` of the start.
+    // The robot turns about the midpoint of its axle. So the axle ends `ahead` and `left` of the start.
     let (ahead, left) = (300.0 + axle_mm, 200.0 - axle_mm);
     (x + ahead * cos - left * sin, y + ahead * sin + left * cos, phi_deg + 90.0)
 }

@@ -211,7 +211,7 @@ fn a_sonar_on_a_servo_hears_the_same_from_c_and_from_rust() {
     });
     assert_eq!(c.len(), 19);
     assert_eq!(c, rust);
-    // The sensor head is 60 mm ahead of the robot's middle. A table is 340 mm in front of the head, a wall 700 mm to
+    // The sensor head is 60 mm ahead of the robot's centre. A table is 340 mm in front of the head, a wall 700 mm to
     // its right.
     assert_eq!((numbers(&c[9])[1], numbers(&c[0])[1]), (340.0, 700.0), "{c:?}");
     let both = printed(&scratch, &scene("sonar-sweep.sim"), &[]);

@@ -180,7 +180,7 @@ fn wrong_fraction(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
     1.0 - f64::from(right as u32) / f64::from(count as u32)
 }
 
-/// Geometry of the grid of a room, with a margin of 22.5 cm: the outer walls go through the middles of cells of 5 cm.
+/// Geometry of the grid of a room, with a margin of 22.5 cm: the outer walls go through the centres of cells of 5 cm.
 fn frame(cell: f64) -> GridGeometry {
     let margin = 0.2 + 0.5 * CELL;
     GridGeometry::covering(Point::new(-margin, -margin), Point::new(SIDE + margin, SIDE + margin), cell)

@@ -38,7 +38,7 @@ const RING_PITCH: f64 = 25.0 / 180.0 * PI;
 /// Position of the sonars that look down, m ahead of and beside the body's centre.
 const CORNER: (f64, f64) = (1.5, 0.9);
 
-/// Clearance around the middle of the robot that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m
+/// Clearance around the centre of the robot that the operator requires, m. Feet reach 1.5 m ahead and behind, 1.9 m
 /// with corrections. Less than 1.9 m is enough, since on the map the outlines of high obstacles are about one cell
 /// (0.5 m) too wide.
 pub const OPERATOR_CLEARANCE: f64 = 1.6;

@@ -138,7 +138,7 @@ impl Ground {
     }
 }
 
-/// Points below the robot at which the ground must be low, m ahead of and to the left of its middle: about the reach of
+/// Points below the robot at which the ground must be low, m ahead of and to the left of its centre: about the reach of
 /// the feet.
 const UNDER: [(f64, f64); 9] =
     [(0.0, 0.0), (1.5, 1.0), (1.5, 0.0), (1.5, -1.0), (0.0, 1.0), (0.0, -1.0), (-1.5, 1.0), (-1.5, 0.0), (-1.5, -1.0)];

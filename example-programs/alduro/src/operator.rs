@@ -25,7 +25,7 @@ pub struct Command {
 }
 
 /// Chooses the direction from `robot` towards `goal`. The cells of the map are true where an obstacle is high. The
-/// middle of the robot needs `needed` m of clearance.
+/// centre of the robot needs `needed` m of clearance.
 pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Command {
     let room = distances(is_high, |is_high| *is_high);
     let path = path_to(&room, robot, goal, needed);
@@ -67,7 +67,7 @@ mod tests {
 
     const ROBOT: Point = Point::new(0.25, 0.25);
 
-    /// A map of 20 m x 20 m with the robot in the middle.
+    /// A map of 20 m x 20 m with the robot at the centre.
     fn map(is_high: impl Fn(Point) -> bool) -> Grid<bool> {
         let frame = GridGeometry::new(Point::new(-10.0, -10.0), 0.5, 41, 41);
         Grid::from_fn(frame, |cell| is_high(frame.centre(cell)))

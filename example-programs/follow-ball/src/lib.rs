@@ -21,7 +21,7 @@ const MIN_SATURATION: u8 = 175;
 const MIN_INTENSITY: u8 = 25;
 
 const RADIUS: Length = Length::metres(0.05);
-/// Distance from the camera to the ball's middle at which the robot stops.
+/// Distance from the camera to the ball's centre at which the robot stops.
 const STOP: Length = Length::metres(0.13);
 const SPEED: Speed = Speed::metres_per_second(0.25);
 /// Turn rate of the search, and maximum turn rate.
@@ -65,7 +65,7 @@ impl Ball {
         best.1
     }
 
-    /// Distance of the ball's middle from the camera.
+    /// Distance of the ball's centre from the camera.
     fn distance(self) -> Length {
         let half_width = f64::from(self.right - self.left + 1) / 2.0;
         RADIUS * ((half_width * half_width + FOCAL_PX * FOCAL_PX).sqrt() / half_width)

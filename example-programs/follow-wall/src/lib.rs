@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn comes_to_its_distance_along_a_straight_wall() {
-        // The wall is at y = 0.4 m; the sensor looks from the robot's middle.
+        // The wall is at y = 0.4 m; the sensor looks from the robot's centre.
         let run = Fake::new()
             .psd(PsdAt::LeftDiagonal, |now| {
                 let slope = (now.position.phi + 45.degrees()).sin();

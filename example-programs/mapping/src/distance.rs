@@ -8,7 +8,7 @@
 
 use crate::grid::{Cell, Grid, GridGeometry};
 
-/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` returns
+/// Distance in metres from the centre of each cell to the centre of the nearest cell for which `is_feature` returns
 /// true; 0 for feature cells, infinite if there is no feature.
 ///
 /// The distance to the *edge* of the nearest feature cell is shorter, by up to half of a cell's diagonal.

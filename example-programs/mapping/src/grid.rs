@@ -99,12 +99,12 @@ impl GridGeometry {
             .then(|| Cell::new(in_cells.x as usize, in_cells.y as usize))
     }
 
-    /// Converts a point to units of cells, relative to the grid's origin: (0.5, 0.5) is the middle of the first cell.
+    /// Converts a point to units of cells, relative to the grid's origin: (0.5, 0.5) is the centre of the first cell.
     pub fn in_cells(&self, point: Point) -> Point {
         Point::from((point - self.origin) / self.cell_size)
     }
 
-    /// The middle of a cell, in metres; also for cells outside the grid.
+    /// The centre of a cell, in metres; also for cells outside the grid.
     pub fn centre(&self, cell: Cell) -> Point {
         let middle = |index: usize| (index as f64 + 0.5) * self.cell_size;
         Point::new(self.origin.x + middle(cell.column), self.origin.y + middle(cell.row))
@@ -116,7 +116,7 @@ impl GridGeometry {
         (0..self.rows).flat_map(move |row| (0..columns).map(move |column| Cell { column, row }))
     }
 
-    /// The cells whose middle is at most `radius` metres from `point`, row by row.
+    /// The cells whose centre is at most `radius` metres from `point`, row by row.
     pub fn disc(&self, point: Point, radius: f64) -> impl Iterator<Item = Cell> + use<> {
         let frame = *self;
         let centre = self.in_cells(point);

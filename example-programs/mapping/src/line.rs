@@ -7,7 +7,7 @@
 //! - [`dda`]: the digital differential analyser ("digital integration" in the same section). It steps along the longer
 //!   axis and rounds the coordinate of the other one.
 //!
-//! The last two connect the middles of two cells, which are dx columns and dy rows apart. Point-by-point comparison
+//! The last two connect the centres of two cells, which are dx columns and dy rows apart. Point-by-point comparison
 //! makes |dx| + |dy| steps, each to a cell with a common side, and may deviate from the line by nearly a cell. DDA
 //! makes max(|dx|, |dy|) steps, some of them diagonal. It deviates by at most half a cell, so it visits only cells that
 //! the line touches.

@@ -9,7 +9,7 @@ use crate::math;
 use crate::pose::Point;
 use crate::tsk::{Activation, Partition, Settings, Tsk};
 
-/// A square height map; the robot is in its middle cell.
+/// A square height map; the robot is in its central cell.
 #[derive(Clone, Debug)]
 pub struct LocalMap {
     tsk: Tsk,
@@ -19,9 +19,9 @@ pub struct LocalMap {
 /// Estimate of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// x of its middle, in the odometry frame, m.
+    /// x of its centre, in the odometry frame, m.
     pub x: f64,
-    /// y of its middle, in the odometry frame, m.
+    /// y of its centre, in the odometry frame, m.
     pub y: f64,
     /// Estimated height, m.
     pub z: f64,

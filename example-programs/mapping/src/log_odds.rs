@@ -24,7 +24,7 @@ pub fn probability(log_odds: f64) -> f64 {
 }
 
 /// Evidence of a reading for the cells of its beam, scaled by 1 - (angle / half angle)^2. The angle is
-/// measured from the middle of the beam.
+/// measured from the axis of the beam.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SonarModel {
     /// The beam.

@@ -33,7 +33,7 @@ impl Error {
     }
 }
 
-/// Log-likelihood of a measured point on a surface for each position, from the distance to the middle of the nearest
+/// Log-likelihood of a measured point on a surface for each position, from the distance to the centre of the nearest
 /// occupied cell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LikelihoodField {
@@ -49,7 +49,7 @@ impl LikelihoodField {
         Self { logs, outside: error.log(f64::INFINITY) }
     }
 
-    /// Log-likelihood of a point, by bilinear interpolation between the middles of the cells.
+    /// Log-likelihood of a point, by bilinear interpolation between the centres of the cells.
     pub fn log(&self, point: Point) -> f64 {
         let frame = self.logs.frame();
         let position = frame.in_cells(point) - Vector::repeat(0.5);
@@ -99,7 +99,7 @@ pub struct Ranges<'a> {
     pub cell: f64,
     /// The robot's radius, on which the sonars sit, m.
     pub radius: f64,
-    /// The angle between the middle and the edge of a beam, rad.
+    /// The angle between the axis and the edge of a beam, rad.
     pub half_angle: f64,
     /// For each sonar: its direction in the robot's frame, rad, and the measured distance from the rim, m.
     pub readings: Vec<(f64, f64)>,
@@ -124,7 +124,7 @@ impl Ranges<'_> {
         view
     }
 
-    /// Directions in a beam: number of bins from the middle, and unit vector.
+    /// Directions in a beam: number of bins from the axis, and unit vector.
     fn beam(&self) -> Vec<(i64, Vector)> {
         let half = bin(self.half_angle).floor() as i64;
         (-half..=half).map(|index| (index, direction(index as f64 * TAU / BINS as f64))).collect()
@@ -137,7 +137,7 @@ impl Ranges<'_> {
         let distances = beam.iter().filter_map(|(index, direction)| {
             let distance = view[(middle + index).rem_euclid(BINS as i64) as usize];
             let offset = direction * distance - rim;
-            // The beam begins at the rim, so it is narrower than a beam of the same angle from the robot's middle.
+            // The beam begins at the rim, so it is narrower than a beam of the same angle from the robot's centre.
             (distance.is_finite() && offset.y.abs() <= offset.x * slope).then(|| offset.norm())
         });
         distances.fold(f64::INFINITY, f64::min)

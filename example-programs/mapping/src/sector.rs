@@ -84,12 +84,12 @@ pub struct Line {
 pub struct Model {
     /// Case of the sector.
     pub case: Case,
-    /// The lines in counter-clockwise order, in the sector's frame: origin in the robot's middle, x axis through the
+    /// The lines in counter-clockwise order, in the sector's frame: origin in the robot's centre, x axis through the
     /// sonar.
     pub lines: Vec<Line>,
 }
 
-/// Fraction of a sector, centred at its middle, that the line of a fault on both sides covers. The paper has only the
+/// Fraction of a sector, centred at its axis, that the line of a fault on both sides covers. The paper has only the
 /// word "short"; the value is our choice.
 const SHORT_FRACTION: f64 = 0.5;
 
@@ -101,7 +101,7 @@ impl Fan {
     /// Relation between two neighbouring readings; `None` is a reading without an echo.
     ///
     /// The distances are in metres from the rim, as the sonars measure them; the comparison uses distances from the
-    /// robot's middle, where the sectors meet.
+    /// robot's centre, where the sectors meet.
     pub fn relation(&self, a: Option<f64>, b: Option<f64>) -> Relation {
         let (Some(a), Some(b)) = (a, b) else { return Relation::Open };
         let (near, far) = (a.min(b) + self.radius, a.max(b) + self.radius);
@@ -125,7 +125,7 @@ impl Fan {
     ///   a common edge.
     /// - Open on both sides (a post): the same as other faults on both sides.
     /// - A sector at the end of the fan has one neighbour. The other one is `None`, so the relation to it is open.
-    /// - Length of the line of a one-sided fault: up to the middle of the sector (`FaultBeyond`), since the surface is
+    /// - Length of the line of a one-sided fault: up to the axis of the sector (`FaultBeyond`), since the surface is
     ///   known only at the common edge; up to the tangent point (`FaultBefore`), from which the echo came.
     pub fn model(&self, right: Option<f64>, own: Option<f64>, left: Option<f64>) -> Model {
         let Some(own_distance) = own else { return Model { case: Case::NoEcho, lines: Vec::new() } };
@@ -146,7 +146,7 @@ impl Fan {
         Model { case, lines }
     }
 
-    /// Case and lines of a sector that is continuous on both sides. All distances are from the middle of the robot.
+    /// Case and lines of a sector that is continuous on both sides. All distances are from the centre of the robot.
     fn wall(&self, right: f64, own: f64, left: f64) -> (Case, Vec<Line>) {
         let half_sector = 0.5 * self.sector;
         let compared_to_own =
@@ -173,7 +173,7 @@ impl Fan {
         }
     }
 
-    /// Case and lines of a sector that is continuous only with its right neighbour. All distances are from the middle
+    /// Case and lines of a sector that is continuous only with its right neighbour. All distances are from the centre
     /// of the robot.
     fn fault(&self, right: f64, own: f64) -> (Case, Vec<Line>) {
         let half_sector = 0.5 * self.sector;
@@ -188,7 +188,7 @@ impl Fan {
         }
     }
 
-    /// The short line of a fault on both sides; it touches the arc in the arc's middle.
+    /// The short line of a fault on both sides; it touches the arc at its midpoint.
     fn short_line(&self, own: f64) -> Line {
         let end = 0.5 * SHORT_FRACTION * self.sector;
         Tangent { normal: 0.0, distance: own }.segment(-end, end)
@@ -265,7 +265,7 @@ impl Line {
 }
 
 impl Model {
-    /// Free distance from the robot's middle at an angle (radians) from the sector's middle: up to the line or to the
+    /// Free distance from the robot's centre at an angle (radians) from the sector's axis: up to the line or to the
     /// arc at `own`, whichever is nearer.
     fn free_distance(&self, own: f64, angle: f64) -> f64 {
         self.lines.iter().find_map(|line| line.distance_along(angle)).map_or(own, |line| line.min(own))
@@ -284,7 +284,7 @@ pub enum Raster {
 /// Reading of one sector.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Reading {
-    /// Position of the robot's middle in the map's frame, and heading of the sector's middle.
+    /// Position of the robot's centre in the map's frame, and heading of the sector's axis.
     pub axis: Pose,
     /// The distance from the rim, in metres; `None` without an echo.
     pub distance: Option<f64>,
@@ -303,7 +303,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// The readings of the sectors, whose middles are `sector` radians apart.
+    /// The readings of the sectors, whose axes are `sector` radians apart.
     pub fn readings(&self, sector: f64) -> impl Iterator<Item = Reading> {
         let middle = 0.5 * (self.distances.len() as f64 - 1.0);
         self.distances.iter().enumerate().map(move |(index, distance)| {
@@ -420,7 +420,7 @@ struct Sector {
 /// Maximum deviation of the angle between neighbours from one sector, as a fraction of a sector.
 const TOLERANCE: f64 = 0.2;
 
-/// Fraction of a sector, centred at its middle, in which its sonar certainly detects surfaces.
+/// Fraction of a sector, centred at its axis, in which its sonar certainly detects surfaces.
 const CORE: f64 = 0.8;
 
 impl Sector {
@@ -505,7 +505,7 @@ mod tests {
     const FAN: Fan = Fan { sector: PI / 6.0, radius: 0.12, nearest: 0.03, farthest: 4.0 };
     const HALF: f64 = PI / 12.0;
 
-    /// Reading of a sector in front of an infinite straight wall: the point nearest to the robot's middle within the
+    /// Reading of a sector in front of an infinite straight wall: the point nearest to the robot's centre within the
     /// sector.
     fn wall_reading(sector: f64, foot: f64, distance: f64) -> Option<f64> {
         let off = (wrapped(foot - sector).abs() - HALF).max(0.0);
@@ -577,7 +577,7 @@ mod tests {
             let readings = [-FAN.sector, 0.0, FAN.sector].map(|sector| wall_reading(sector, foot, 1.0));
             let model = FAN.model(readings[0], readings[1], readings[2]);
             assert_eq!((model.case, model.lines.len()), (Case::WallAhead, 2));
-            // The ends are on the wall; the middle of the arc is in front of it by 1 - cos(foot).
+            // The ends are on the wall; the midpoint of the arc is in front of it by 1 - cos(foot).
             check_on_wall(&model.lines, foot, 1.0, 1.0 - math::cos(foot) + 1e-12);
             assert!((model.lines[0].from.coords.dot(&direction(foot)) - 1.0).abs() < 1e-12);
             assert!((model.lines[1].to.coords.dot(&direction(foot)) - 1.0).abs() < 1e-12);
@@ -586,7 +586,7 @@ mod tests {
 
     #[test]
     fn corner_of_two_walls_is_exact() {
-        // Two walls with their feet in the neighbours' sectors, mirror images about the sector's middle, so they meet
+        // Two walls with their feet in the neighbours' sectors, mirror images about the sector's axis, so they meet
         // the two edges of the sector at the same distance.
         for off in [1.9 * HALF, 2.4 * HALF, 2.9 * HALF] {
             let own = 1.0 / math::cos(off - HALF) - FAN.radius;
@@ -724,7 +724,7 @@ mod tests {
                     let point = line.from + fraction * (line.to - line.from);
                     let angle = math::atan2(point.y, point.x);
                     prop_assert!(angle.abs() <= HALF + 1e-9);
-                    // A chord that ends in the middle of the arc runs inside the arc, by less than the arc's bulge.
+                    // A chord that ends at the midpoint of the arc runs inside the arc, by less than the arc's bulge.
                     prop_assert!(point.coords.norm() >= (own + FAN.radius) * math::cos(HALF) - 1e-9, "{:?}", model);
                     prop_assert!(point.coords.norm() < 2.1 * (own + FAN.radius), "{:?}", model);
                 }

@@ -7,7 +7,7 @@ use crate::pose::{Point, Pose, wrapped};
 /// A reading of a sonar.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Echo {
-    /// Pose of the sonar in the map's frame; its x axis is the middle of the beam.
+    /// Pose of the sonar in the map's frame; its x axis is the axis of the beam.
     pub sonar: Pose,
     /// Distance of the surface that caused the echo, in metres; `None` without an echo.
     pub distance: Option<f64>,
@@ -16,7 +16,7 @@ pub struct Echo {
 /// A sonar's beam: a cone, or its section in the plane of the map.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Beam {
-    /// The angle between the middle and the edge, in radians.
+    /// The angle between the axis and the edge, in radians.
     pub half_angle: f64,
     /// Minimum distance that the sonar measures, in metres.
     pub nearest: f64,
@@ -29,14 +29,14 @@ pub struct Beam {
 pub struct InBeam {
     /// The cell.
     pub cell: Cell,
-    /// Distance from the sonar to the middle of the cell, in metres.
+    /// Distance from the sonar to the centre of the cell, in metres.
     pub distance: f64,
-    /// Angle from the middle of the beam, counter-clockwise, in radians.
+    /// Angle from the axis of the beam, counter-clockwise, in radians.
     pub angle: f64,
 }
 
 impl Beam {
-    /// The cells of `frame` whose middle lies in the beam of a sonar at `sonar`, at most `max_distance` metres away,
+    /// The cells of `frame` whose centre lies in the beam of a sonar at `sonar`, at most `max_distance` metres away,
     /// row by row.
     pub fn cells(&self, frame: &GridGeometry, sonar: Pose, max_distance: f64) -> impl Iterator<Item = InBeam> + use<> {
         let (frame, half_angle) = (*frame, self.half_angle);

@@ -45,7 +45,7 @@ impl Partition {
         is_inside.then(|| (row.rem_euclid(rows) * columns + column.rem_euclid(columns)) as usize)
     }
 
-    /// The middle of a cell, m.
+    /// The centre of a cell, m.
     pub fn centre(&self, (column, row): CellIndex) -> (f64, f64) {
         ((column as f64 + 0.5) * self.cell, (row as f64 + 0.5) * self.cell)
     }
@@ -238,7 +238,7 @@ fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Optio
 
 /// The height map.
 ///
-/// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the middle of its cell and in
+/// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the centre of its cell and in
 /// units of cells. This is the paper's plane, with coefficients of similar magnitude.
 #[derive(Clone, Debug)]
 pub struct Tsk {
@@ -369,7 +369,7 @@ impl Tsk {
         Some(self.output(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: 0.0 }))
     }
 
-    /// Standard deviation of the height in the middle of the cell that contains (x, y), m; `None` outside the
+    /// Standard deviation of the height in the centre of the cell that contains (x, y), m; `None` outside the
     /// partition. It starts at the prior standard deviation and decreases with each reading.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;

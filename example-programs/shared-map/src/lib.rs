@@ -61,7 +61,7 @@ fn main(robot: &Robot) -> Result {
     Ok(())
 }
 
-/// Shows the map in the window, in the frame of odometry, whose origin is the middle of the first cell of the robot's
+/// Shows the map in the window, in the frame of odometry, whose origin is the centre of the first cell of the robot's
 /// own lane. Each cell of the maze is a square of smaller cells. The outer ones at its sides show the walls.
 fn show(robot: &Robot, own_lane: u8, map: &Map) -> Result {
     const SQUARE: usize = 9;

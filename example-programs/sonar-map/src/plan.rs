@@ -7,10 +7,10 @@ use mapping::line::supercover;
 use mapping::pose::Point;
 use mapping::score::{OCCUPIED, Occupancy};
 
-/// Clearance of the robot's middle from the middle of occupied cells, m: the radius of 0.12, half of a cell's diagonal,
+/// Clearance of the robot's centre from the centre of occupied cells, m: the radius of 0.12, half of a cell's diagonal,
 /// and the error of odometry.
 const CLEARANCE: f64 = 0.21;
-/// Clearance of the robot's middle from unobserved cells, m: its body and a little more. The robot does not enter cells
+/// Clearance of the robot's centre from unobserved cells, m: its body and a little more. The robot does not enter cells
 /// of silent sectors, but they need no clearance; otherwise it could not move at all among mirrors.
 const UNHEARD_CLEARANCE: f64 = 0.15;
 /// Minimum probability of an unobserved cell; a cell of a silent sector has a slightly lower one.

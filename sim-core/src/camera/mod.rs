@@ -6,7 +6,7 @@
 //!
 //! # Pictures
 //! Row 0 is at the top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first
-//! hit of the ray through its middle. Pixels are square. A camera has the frame of sensors: x along the optical axis, y
+//! hit of the ray through its centre. Pixels are square. A camera has the frame of sensors: x along the optical axis, y
 //! to the left, z up.
 //!
 //! # Definition of a hit
@@ -33,7 +33,7 @@
 //! # Implementation
 //! Faces are binned into tiles of 8 x 8 pixels (`bins`). For each tile, `tile` finds the nearest face of each pixel
 //! with SIMD instructions, and `shade` then colours the pixels, face by face. Linear forms on rays are set up in `f64`
-//! and evaluated relative to a tile's middle in `f32`. Images are bit-identical on every processor, because no
+//! and evaluated relative to a tile's centre in `f32`. Images are bit-identical on every processor, because no
 //! operations are fused and no sum runs over lanes.
 
 mod bins;

@@ -144,7 +144,7 @@ impl Optics {
         PixelRect { first: [0; 2], last: self.size.map(|side| side - 1) }
     }
 
-    /// Pixels whose middles lie between these positions.
+    /// Pixels whose centres lie between these positions.
     fn rect_between(&self, low: DVec2, high: DVec2) -> Option<PixelRect> {
         let low = (low - 0.5 - MARGIN).ceil().max(DVec2::ZERO);
         let high = (high - 0.5 + MARGIN).floor();
@@ -159,7 +159,7 @@ impl Optics {
     }
 
     /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's
-    /// middle. The radius of the circle is computed with the lens's maximum magnification in the circle.
+    /// centre. The radius of the circle is computed with the lens's maximum magnification in the circle.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);

@@ -91,7 +91,7 @@ impl RayTable {
 
 /// The rays of a tile's pixels in lens space, row by row.
 ///
-/// For a pinhole (`FLAT`), x and y are pixels relative to the tile's middle, at which linear forms are evaluated in
+/// For a pinhole (`FLAT`), x and y are pixels relative to the tile's centre, at which linear forms are evaluated in
 /// `f64` (see [`Window::local`]).
 #[derive(Clone, Debug)]
 pub struct Rays {
@@ -103,7 +103,7 @@ pub struct Rays {
 /// Middle and extent of a tile's rays, for linear forms.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// For a pinhole, the middle of the tile in lens space; otherwise the middle of its rays.
+    /// For a pinhole, the centre of the tile in lens space; otherwise the centre of the cone of its rays.
     middle: DVec3,
     /// Maximum distance of a ray from the middle; for a pinhole, on each axis.
     radius: f64,

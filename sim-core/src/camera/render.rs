@@ -194,7 +194,7 @@ impl RenderInputs<'_> {
         [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
     }
 
-    /// The ray through a pixel's middle, in lens space.
+    /// The ray through a pixel's centre, in lens space.
     fn ray(&self, [column, row]: [u32; 2]) -> DVec3 {
         let middle = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         if self.optics.is_flat { middle.extend(1.0) } else { self.view.ray(middle).unwrap_or_default() }

@@ -22,15 +22,15 @@ pub enum Wrap {
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels. They
-/// come from the derivatives of u and v at the pixel's middle; for a fisheye, from half the difference between the rays
+/// come from the derivatives of u and v at the pixel's centre; for a fisheye, from half the difference between the rays
 /// of the neighbouring pixels. Let L be the longer axis and S the shorter one; the footprint is treated as |L| long and
 /// |S| wide. It is sampled with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each |L| / n long. So a footprint up
 /// to three times as long as wide needs one probe, and no probe is shorter than a texel. Two probes are centred (1 -
-/// 1/n) / 2 of L before and after the middle. The colour is the mean of the probes, and changes continuously with the
+/// 1/n) / 2 of L before and after the centre. The colour is the mean of the probes, and changes continuously with the
 /// footprint.
 ///
 /// A probe has the level log2(|L| / n). It samples the nearest integer level and blends the four nearest texels
-/// linearly. Within an eighth of a level of the middle between two levels, it blends both levels, linearly in the
+/// linearly. Within an eighth of a level of the midpoint between two levels, it blends both levels, linearly in the
 /// level. Level 0 is the image, also for probes smaller than a texel. Transparent texels show the material's colour.
 ///
 /// Our choice, after Feline (McCormack et al., 1999) for the probes; blending two levels only on a part of the interval

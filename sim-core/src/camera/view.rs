@@ -7,17 +7,17 @@ use glam::{DVec2, DVec3};
 use crate::math;
 use crate::pose::Pose3;
 
-/// Projection of a lens from directions to positions in the image. The optical axis passes through the middle of the
+/// Projection of a lens from directions to positions in the image. The optical axis passes through the centre of the
 /// image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
-    /// Straight lines stay straight: the distance from the middle is proportional to the tangent of the angle off the
+    /// Straight lines stay straight: the distance from the centre is proportional to the tangent of the angle off the
     /// axis.
     Pinhole {
         /// Horizontal field of view over the width of the image, rad; below pi.
         fov: f64,
     },
-    /// The distance from the middle is proportional to the angle off the axis (equidistant projection).
+    /// The distance from the centre is proportional to the angle off the axis (equidistant projection).
     Fisheye {
         /// Horizontal field of view over the width of the image, rad; up to 2 pi.
         fov: f64,

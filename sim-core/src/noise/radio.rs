@@ -59,7 +59,7 @@ fn interval(stream: &mut Stream) -> u64 {
 
 /// Number of correct bits before the next bit error; at least k with probability (1 - P_b)^k, within 2^-52.
 ///
-/// Computed as the logarithm of the middle of an interval divided by the logarithm of 1 - P_b: the inverse of the
+/// Computed as the logarithm of the midpoint of an interval divided by the logarithm of 1 - P_b: the inverse of the
 /// geometric distribution. Source: Devroye 1986, "Non-Uniform Random Variate Generation", X.2.
 fn gap(interval: u64, ln_correct: f64) -> u64 {
     // `as` saturates, and rounds down because the quotient of two non-positive logarithms is not negative.

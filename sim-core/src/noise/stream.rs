@@ -82,7 +82,7 @@ impl Stream {
 
     /// The next number with the standard normal distribution, between -8.21 and 8.21.
     pub fn normal(&mut self) -> f64 {
-        // The argument is exactly the middle of one of 2^52 equal intervals of (0, 1). It is symmetric about 0.5 and
+        // The argument is exactly the midpoint of one of 2^52 equal intervals of (0, 1). It is symmetric about 0.5 and
         // never 0 or 1.
         normal_quantile(((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64)
     }

@@ -9,7 +9,7 @@ use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_
 use super::nearby::{Nearby, Rectangle};
 
 /// Maximum number of bodies that [`BoundsIndex::add_to`] tests. One large body enlarges the area of the search, which
-/// may then contain the middles of many small bodies. Our choice.
+/// may then contain the centres of many small bodies. Our choice.
 const MAX_SCANNED: usize = 256;
 
 /// Maximum extent of an index, m, for [`BoundsIndex::add_to`]; far below the largest `f32`. Our choice.
@@ -29,7 +29,7 @@ pub struct BoundsIndex<K> {
     margin: f64,
     /// Indices into `bodies` of the bodies that overlap each cell.
     cells: Cells<u32>,
-    /// Bodies with their middle in each cell, with their rectangles relative to the grid's lower left corner.
+    /// Bodies with their centre in each cell, with their rectangles relative to the grid's lower left corner.
     middles: Cells<(K, Rectangle)>,
     /// Half of the size of the largest rectangle on each axis, m.
     max_half: DVec2,

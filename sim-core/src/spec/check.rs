@@ -113,7 +113,7 @@ pub enum CheckKind {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided; a square is covered if its middle is covered.
+        /// Side of the squares into which the area is divided; a square is covered if its centre is covered.
         cell: f64,
         /// Minimum fraction of the squares, 0 to 1.
         share: f64,
@@ -407,7 +407,7 @@ pub enum SwarmMetric {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided, m; a square is covered if its middle is covered.
+        /// Side of the squares into which the area is divided, m; a square is covered if its centre is covered.
         cell: f64,
     },
 }

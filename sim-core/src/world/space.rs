@@ -54,7 +54,7 @@ impl Default for Space {
 pub struct ThickWall {
     /// The first of the four sides of the wall.
     pub wall: WallId,
-    /// Pose of the wall's frame; its origin is the middle of the wall.
+    /// Pose of the wall's frame; its origin is the midpoint of the wall.
     pub world_from_wall: Pose,
     /// Shape: one prism.
     pub figure: Figure,

@@ -209,7 +209,7 @@ fn significant(value: f64) -> String {
 ///
 /// The point has the membership 1: it lies ahead of the sonar at the reading's distance. The sum is divided by the sum
 /// of the weights, since the text says average; the printed equation omits the division. Planes are relative to the
-/// middle of their cell, in m, so the ridge has the same meaning everywhere.
+/// centre of their cell, in m, so the ridge has the same meaning everywhere.
 fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: &[SonarReading]) -> Equations<N> {
     let mut equations = Equations::default();
     for (sonar, distance) in readings {

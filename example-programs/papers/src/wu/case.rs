@@ -11,7 +11,7 @@ use mapping::sector::{Case, Model};
 use super::maps::FAN;
 use crate::page::{Figure, Page, Picture};
 
-/// Readings of the sectors C, D and E, as distances from the robot's middle in metres, with their case.
+/// Readings of the sectors C, D and E, as distances from the robot's centre in metres, with their case.
 struct Example {
     title: &'static str,
     readings: [Option<f64>; 3],
@@ -84,7 +84,7 @@ pub fn figures(page: &mut Page) -> anyhow::Result<()> {
 
 impl Example {
     /// The readings of straight walls by sonars whose beams are as wide as their sectors. A wall is the direction of
-    /// its foot (degrees from the middle of sector D) and its distance.
+    /// its foot (degrees from the axis of sector D) and its distance.
     fn of_walls(title: &'static str, case: Case, walls: &[(f64, f64)]) -> Self {
         let nearest = |sector: f64, (foot, distance): (f64, f64)| {
             let off = ((foot.to_radians() - sector).abs() - 0.5 * FAN.sector).max(0.0);

@@ -129,7 +129,7 @@ impl Subtree {
 }
 
 /// Partitions `order` into two non-empty parts at the lowest expected cost, and returns the size of the first part. If
-/// the middles of all boxes coincide, both parts have the same number of boxes.
+/// the centres of all boxes coincide, both parts have the same number of boxes.
 ///
 /// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {

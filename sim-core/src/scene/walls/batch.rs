@@ -126,7 +126,7 @@ impl WallBatches {
             return nearest;
         }
         let mut cell = row as usize * self.columns + column as usize;
-        // Distances to the next borders; a cell extends half a cell to either side of its middle.
+        // Distances to the next borders; a cell extends half a cell to either side of its centre.
         let from_middle = position - (biased - DVec2::splat(ROUNDING_BIAS));
         // Distance along the ray between successive borders on each axis.
         let spacing = DVec2::ONE / direction.abs();
@@ -210,7 +210,7 @@ fn offer(
     *nearest = found;
 }
 
-/// Distance from the cell's middle on an axis, positive in the direction of the ray (the sign of `direction`).
+/// Distance from the cell's centre on an axis, positive in the direction of the ray (the sign of `direction`).
 #[inline(always)]
 fn along(from_middle: f64, direction: f64) -> f64 {
     f64::from_bits(from_middle.to_bits() ^ direction.to_bits() & (1 << 63))

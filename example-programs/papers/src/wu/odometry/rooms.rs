@@ -138,7 +138,7 @@ pub fn cases(rooms: &[Room], first: u64, noise: &str) -> Vec<Case> {
 }
 
 /// Distance of the map's edges from the outermost walls, m: one and a half cells, so that a wall parallel to the grid
-/// passes through the middles of cells.
+/// passes through the centres of cells.
 const MARGIN: f64 = 0.075;
 
 fn case(room: &Room, index: usize, [x, y, heading]: [f64; 3], seed: u64, noise: &str) -> Case {
