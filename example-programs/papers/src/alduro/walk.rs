@@ -29,7 +29,7 @@ const SIDE: f64 = 10.0;
 const MAY_FAIL: usize = 20;
 /// Height above which the ground is an obstacle to A*, m.
 const OBSTACLE: f64 = 0.5;
-/// Clearance around the middle of the robot that a path needs, m.
+/// Clearance around the centre of the robot that a path needs, m.
 const CLEARANCE: f64 = 2.0;
 /// Maximum distance of the robot's true position from the goal that counts as arrival, m.
 const ARRIVED: f64 = 1.0;
@@ -93,7 +93,7 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
     page.heading("The walk from (1, 5) to (9, 1)");
     page.text(format!(
         "The map's unit is {UNIT} m (our choice, the paper gives none). {terrains} random terrains of {0} m x {0} m; {without} others were left out, on which A* on the \
-         true heights found no path that keeps {CLEARANCE} m from the robot's middle to everything above {OBSTACLE} m; a fence stands around each. All errors are \
+         true heights found no path that keeps {CLEARANCE} m from the robot's centre to everything above {OBSTACLE} m; a fence stands around each. All errors are \
          those of `real`. The operator on board sees the goal: its bearing to whole degrees and its distance come from the true pose; map and planner know \
          odometry, sonars and what the legs tell, their height above the floor among it. The direction is that of the cheapest way over the local map, \
          on which it is dear to come near to what is high.",
