@@ -67,7 +67,7 @@ codes! {
     FileKind = "file-kind": "the extension of a file name is unknown or missing",
     FileMissing = "file-missing": "a file is not found",
     FileMore = "file-more": "the file has more mistakes than are listed",
-    FileMoved = "file-moved": "a file is not at the place that its name says; another one is taken",
+    FileMoved = "file-moved": "a file is not found under its name; a similar one is used",
     FileNameMissing = "file-name-missing": "a file name is missing or empty",
     FileUnreadable = "file-unreadable": "a file exists but cannot be read",
     FolderEmpty = "folder-empty": "a folder without a file that eyesim reads",

@@ -598,7 +598,7 @@ impl Conversion<'_> {
             (FileFormat::Robi, [(robi, _)], _) => self.write_robi(robi, target),
             (FileFormat::Object, _, [(object, _)]) => self.write_object(object, target),
             _ => {
-                let message = format!("`{}` does not describe exactly one such thing in place", self.from);
+                let message = format!("`{}` does not contain exactly one inline description of this kind", self.from);
                 let expected = "a `[world]` with walls or a maze, one `[[robot_type]]` or one `[[object_type]]`";
                 self.sink.error(Code::ConvertKind, Span::default(), message, expected);
             }

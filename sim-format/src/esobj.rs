@@ -263,11 +263,11 @@ impl Reader {
             self.object.centre_of_mass = DVec3::ZERO;
         }
         if !has_collider {
-            let message = "no collider: an upright cylinder of 100 mm width and height is taken";
+            let message = "no collider: an upright cylinder of 100 mm width and height is used";
             self.sink.warn(Code::EsobjColliderMissing, Span::default(), message, COLLIDER_SYNTAX);
         }
         if !self.has_mass && !self.object.is_fixed {
-            let message = format!("no `mass` line: {DEFAULT_OBJECT_MASS} kg is taken");
+            let message = format!("no `mass` line: {DEFAULT_OBJECT_MASS} kg is used");
             self.sink.warn(Code::EsobjMassMissing, Span::default(), message, "`mass KG X Y Z`, or `fixed`");
         }
         if self.object.colliders.is_empty() {

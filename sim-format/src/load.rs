@@ -455,7 +455,7 @@ impl<'a> Loader<'a> {
             let renamed = candidates.iter().filter_map(|candidate| path::with_txt(candidate));
             found = renamed.into_iter().find_map(|path| Some((path.clone(), self.files.read(&path).ok()?)));
             if let Some((candidate, _)) = &found {
-                let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
+                let message = format!("`{}` is not found; `{candidate}` is used instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "the name as the file has it");
             }
         }
@@ -465,7 +465,7 @@ impl<'a> Loader<'a> {
                 relocated.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
             found = exact.or_else(|| relocated.iter().find_map(|candidate| self.find_in_other_case(candidate)));
             if let Some((candidate, _)) = &found {
-                let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
+                let message = format!("`{}` is not found; `{candidate}` is used instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
             }
         }
@@ -546,7 +546,7 @@ impl<'a> Loader<'a> {
             let (severity, message) = if is_classic {
                 (Severity::Error, "no world is given")
             } else {
-                (Severity::Warning, "no world is given: an empty box of 2000 mm by 2000 mm is taken, as EyeSim VR does")
+                (Severity::Warning, "no world is given: an empty box of 2000 mm by 2000 mm is used, as in EyeSim VR")
             };
             let mut sink = Sink::new(&sim.file);
             let expected = "`world FILE.wld` or `maze FILE.maz`";

@@ -415,7 +415,7 @@ impl Drawing {
     fn into_world(mut self, sink: &mut Sink, file: &str, rows: u32, mut cell: f64) -> WorldSpec {
         let last = rows.saturating_sub(1);
         if f64::from(self.columns.max(last)) * cell > MAX_LENGTH {
-            let message = "the maze is larger than 1000 km; cells of 360 mm are taken instead";
+            let message = "the maze is larger than 1000 km; cells of 360 mm are used instead";
             sink.error(Code::NumberRange, Span::default(), message, "a smaller cell size");
             cell = DEFAULT_CELL;
         }

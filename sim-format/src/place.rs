@@ -234,7 +234,7 @@ impl Placer<'_> {
         let name = path::stem(&path.text);
         let object = builtin::object(if name.eq_ignore_ascii_case("ball") { "Soccer" } else { name });
         if object.is_none() {
-            let message = format!("the shape of `{}` is not known: an upright cylinder of 100 mm is taken", path.text);
+            let message = format!("the shape of `{}` is not known: an upright cylinder of 100 mm is used", path.text);
             let expected = "a mesh named can, ball, soccer, crate or golf, or an .esObj file with a collider";
             self.sink.warn(Code::SimObjectShape, path.span, message, expected);
         }
@@ -492,7 +492,7 @@ impl Placer<'_> {
             };
             let is_robot = matches!(from.entity, Some(Entity::Robot(_)));
             let Some(width) = requirement.width.or(is_robot.then_some(2.0 * from.radius)) else {
-                let message = "the width of the way is not known: it does not begin at a robot";
+                let message = "the width of the route is not known, since it does not begin at a robot";
                 self.sink.error(Code::TomlMissing, requirement.span, message, "a line `width_mm = ...`");
                 continue;
             };
@@ -507,12 +507,12 @@ impl Placer<'_> {
             let tolerance = if to.entity.is_some() { radius + to.radius } else { 0.0 };
             if !is_reachable(&space, world.floor, radius, (from.position, 0.0), (to.position, tolerance)) {
                 let message = format!(
-                    "no way {} mm wide leads from {} to {}",
+                    "no route {} mm wide leads from {} to {}",
                     number::mm(width),
                     position_text(&requirement.from),
                     position_text(&requirement.to)
                 );
-                let expected = "fewer or smaller obstacles, a narrower way, or less clearance";
+                let expected = "fewer or smaller obstacles, a narrower route, or less clearance";
                 self.sink.error(Code::SceneReach, requirement.span, message, expected);
                 self.may_retry = true;
             }
@@ -601,7 +601,7 @@ impl Placer<'_> {
         let expected = "a letter of the maze, or `X Y PHI`";
         // In the first EyeSim VR, `s` meant the start of the maze, regardless of its letter.
         if letter == 'S' && !letters.is_empty() {
-            let message = format!("the world has no start `S`: {available_letters}; the next free one is taken");
+            let message = format!("the world has no start `S`: {available_letters}; the next free one is used");
             self.sink.warn(Code::SimStartLetter, span, message, expected);
             return self.next_start(span);
         }

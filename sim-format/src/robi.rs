@@ -181,7 +181,7 @@ impl Reader {
         let Some((axle, values)) = self.axle_index(keyword, rest, syntax) else {
             return;
         };
-        let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("place of the axle")];
+        let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("position of the axle")];
         let span = span_of(keyword, rest);
         if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, syntax) {
             self.axles[axle] = Some((forward, span));
@@ -223,7 +223,7 @@ impl Reader {
         }
         let syntax = if names_axle { VR_WHEEL_SYNTAX } else { WHEEL_SYNTAX };
         if values.len() < 4 {
-            let message = format!("`wheel` has {} of 4 numbers; defaults are taken", values.len());
+            let message = format!("`wheel` has {} of 4 numbers; defaults are used", values.len());
             self.sink.warn(Code::RobiWheelArity, span, message, syntax);
             return;
         }

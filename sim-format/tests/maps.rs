@@ -514,7 +514,7 @@ fn shortest_paths_agree_with_a_search_on_the_drawing() {
             open += usize::from(expected.is_some());
             let words = match expected {
                 Some(steps) => format!("; {steps} steps from cell to cell"),
-                None => "; no way leads".to_owned(),
+                None => "; no path leads".to_owned(),
             };
             let loaded = load(&[("a.txt", text.as_bytes())]);
             assert!(

@@ -338,7 +338,7 @@ fn interventions_are_refused_with_reasons() {
         (Action::RemoveObject { object: 0 }, "there is no movable object 0"),
         (
             Action::PlaceRobot { robot: 1, x_m: f64::NAN, y_m: 0.0, phi_rad: 0.0 },
-            "x NaN m, y 0 m, phi 0 rad is not a place",
+            "x NaN m, y 0 m, phi 0 rad is not a valid pose",
         ),
         (Action::SetNoise { robot: None, parameter, value: 1.0 }, "`psd.sigma`"),
     ] {

@@ -257,7 +257,7 @@ fn invalid_actions_are_refused() {
     insta::assert_snapshot!(answers.join("\n"), @r"
     there is no type of robots `Tank`, accepted: bot, LabBot, S4, Mako
     there is no robot 7
-    x NaN m, y 1 m, phi 0 rad is not a place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad
+    x NaN m, y 1 m, phi 0 rad is not a valid pose: expected up to 1e6 m from the origin, and a heading up to 1e6 rad
     there is no room for a robot: a wall or a fixed object is in its place
     there is no room for a robot: robot 2 is in its place
     there is no type of movable objects `Piano`, accepted: Can, Soccer, Crate, Golf

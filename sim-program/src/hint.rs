@@ -61,7 +61,7 @@ const FOREIGN_FUNCTIONS: &[(&[&str], &str)] = &[
     (&["clrscr"], "is a function of Borland C: `LCDClear()` clears the display"),
     (&["getch", "getche"], "is a function of Borland C: `KEYGet()` waits for a key of the robot"),
     (&["kbhit"], "is a function of Borland C: `KEYRead()` returns the key that is pressed, or 0"),
-    (&["gotoxy"], "is a function of Borland C: `LCDSetPos(row, column)` sets the place of the next text"),
+    (&["gotoxy"], "is a function of Borland C: `LCDSetPos(row, column)` sets the position of the next text"),
     (&["cprintf"], "is a function of Borland C: `LCDPrintf` writes to the display"),
     (&["itoa"], "is not in every C library: `sprintf(text, \"%d\", number)` does the same"),
     (
@@ -69,7 +69,7 @@ const FOREIGN_FUNCTIONS: &[(&[&str], &str)] = &[
         "is a function of Arduino: `MOTORDrive` and `SERVOSet` set outputs of the robot",
     ),
     (&["digitalRead", "analogRead"], "is a function of Arduino: `PSDGet` and `DIGITALRead` read inputs of the robot"),
-    (&["GetTickCount"], "is a function of Windows: `OSGetCount` tells the time in ms"),
+    (&["GetTickCount"], "is a function of Windows: `OSGetCount` returns the time in ms"),
 ];
 
 /// Hints on the compiler's message `output` about `source`, one per line: missing headers, another encoding,

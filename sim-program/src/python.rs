@@ -50,7 +50,7 @@ impl PythonHome {
         let (Some(executable), Some(prefix), Some(base_prefix), Some(user_base)) =
             (lines.next(), lines.next(), lines.next(), lines.next())
         else {
-            return Err(io::Error::other(format!("`{}` does not tell its folders", interpreter.display())));
+            return Err(io::Error::other(format!("`{}` does not report its folders", interpreter.display())));
         };
         let mut folders: Vec<PathBuf> = lines.filter(|path| path.is_absolute()).collect();
         let real = std::fs::canonicalize(&executable)?;

@@ -467,7 +467,7 @@ fn wrong_folders_for_images_are_refused() {
     let stderr = refused(&scratch, &["run", "a.sim", "--frames", "room.wld"], 2);
     assert!(stderr.contains("--frames `room.wld`: this is a file: expected a folder for the images"), "{stderr}");
     let stderr = refused(&scratch, &["run", "a.sim", "--robot", "1"], 2);
-    assert!(stderr.contains("--robot: it says whose calls are shown, and needs --verbose"), "{stderr}");
+    assert!(stderr.contains("--robot selects the robot whose calls are shown, and needs --verbose"), "{stderr}");
 }
 
 #[test]
@@ -514,7 +514,7 @@ fn images_and_meshes_are_not_read_without_a_camera() {
     assert!(runs[0].stderr.contains("missing.png"), "{runs:#?}");
     assert_eq!(runs[0].stderr, runs[1].stderr);
     let strict = refused(&scratch, &["run", "a.sim", "--strict", "-q"], 2);
-    assert!(strict.contains("the scene is not run on: 1 warning"), "{strict}");
+    assert!(strict.contains("the run does not continue: 1 warning"), "{strict}");
 
     // Files that cameras need are inputs of the run.
     scratch.write("room.wld", &walls.replace("missing.png", "floor.bmp"));

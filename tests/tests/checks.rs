@@ -143,7 +143,7 @@ fn failed_checks_report_what_happened_where_and_when() {
     assert!(head.starts_with("checks: 0 of 4 passed, 1.") && head.ends_with(" of 10 points"), "{head}");
     assert!(
         goal.starts_with("FAILED  the goal")
-            && goal.contains("r1 was never within 100 mm of (2500, 500) mm; it came as near as"),
+            && goal.contains("r1 was never within 100 mm of (2500, 500) mm; its smallest distance from the centre was"),
         "{goal}"
     );
     assert!(

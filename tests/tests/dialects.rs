@@ -518,7 +518,7 @@ fn heading_0_is_along_y_in_2018_and_along_x_today() {
     scratch.write("c.sim", "world room.wld\nobj tin.esObj\nS4 500 500 0 turn.x\n");
     assert_eq!(reported("c.sim", &[]).1, "1000 500 360");
     let ran = scratch.eyesim(&["run", "c.sim"]);
-    assert!(ran.stderr.contains("--dialect=vr2018 holds, --dialect=vr2023 changes that"), "{ran:#?}");
+    assert!(ran.stderr.contains("--dialect=vr2018 is used, --dialect=vr2023 selects today's conventions"), "{ran:#?}");
     assert_eq!(reported("c.sim", &["--dialect", "vr2023"]).1, "1000 500 0");
     let refused = scratch.eyesim(&["run", "c.sim", "--dialect", "vr2020"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("expected vr2018, vr2023 or classic"), "{refused:#?}");

@@ -129,7 +129,7 @@ fn an_empty_input_is_reported_and_loops_at_its_end_are_stopped() {
     ] {
         let ran = run(text, &[]);
         assert_eq!(ran.code, Some(1), "{text}: {ran:#?}");
-        assert!(ran.stderr.contains("reads its standard input in a loop, which has come to its end"), "{ran:#?}");
+        assert!(ran.stderr.contains("reads its standard input in a loop, although the input has ended"), "{ran:#?}");
         assert!(ran.stderr.matches(hint).count() == 1 && ran.stdout.len() < 100_000, "{text}");
     }
     // A program that polls for input between its calls drives on.

@@ -114,7 +114,7 @@ fn robios_6_answers_as_documented() {
         let tells = |words: &str| hints.iter().flatten().any(|hint| hint.contains(words));
         assert!(tells("`RADIOSend` returned 1: the radio is off: `RADIOInit` switches it on"), "{hints:?}");
         assert!(tells("`RADIOInit` returned -1: the radio is on already"), "{hints:?}");
-        assert!(tells("`RADIOGetIoctl` returned -1: no place for the settings"), "{hints:?}");
+        assert!(tells("`RADIOGetIoctl` returned -1: the pointer for the settings is null"), "{hints:?}");
     }
 }
 

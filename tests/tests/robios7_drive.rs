@@ -291,9 +291,9 @@ fn objects_are_numbered_after_the_robots_in_robios7() {
                    SIMGetPose(&x, &y, &phi); IS(x, 1000); IS(phi, 90); SIMSetObject(4, 1, 1, 0, 0); rest(); pose(get_object, 4, 500, 3500, 45); return 0;\n}\n";
     let ran = company(program, IDLE).eyesim(&["run", "scene.sim"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
-    assert!(ran.stderr.contains("there is no robot 4, accepted: 0 for the own one, 1 to 3"), "{ran:#?}");
+    assert!(ran.stderr.contains("there is no robot 4, accepted: 0 for the robot itself, 1 to 3"), "{ran:#?}");
     assert!(
-        ran.stderr.contains("there is no object 3: objects are numbered on from the robots, here from 4 to 5"),
+        ran.stderr.contains("there is no object 3: the objects' numbers follow those of the robots, here from 4 to 5"),
         "{ran:#?}"
     );
     assert!(ran.stderr.contains("object 4 is fixed"), "{ran:#?}");

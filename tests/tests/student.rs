@@ -82,7 +82,7 @@ fn a_hint_has_the_line_of_the_program_on_the_terminal_and_in_the_report() {
             let ran = scratch.eyesim(&["run", "scene.sim", "--exec", execution, "--report", "report.json"]);
             let line = line_with(&ran.stderr, "hint: ");
             assert!(
-                line.contains(&format!(" s] {name}:5: hint: a drive replaces the one before")),
+                line.contains(&format!(" s] {name}:5: hint: this drive replaces the previous one")),
                 "{execution}: {ran:#?}"
             );
             let report: serde_json::Value = serde_json::from_str(&scratch.read("report.json")).expect("a report");

@@ -320,7 +320,10 @@ pub fn carry_out(
     args: &RunArgs,
     check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>,
 ) -> anyhow::Result<Option<FinishedRun>> {
-    ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
+    ensure!(
+        args.robot.is_none() || args.verbose,
+        "--robot selects the robot whose calls are shown, and needs --verbose"
+    );
     let scene = console::open(args)?;
     ensure!(!scene.spec().robots.is_empty(), "`{}` has no robots: there is nothing to run", args.sim.display());
     console::filter(args, scene.spec())?;

@@ -438,7 +438,7 @@ fn end_reason(finished_run: &FinishedRun) -> String {
     match &finished_run.finished.ended.end {
         EndReason::Finished => "all programs have ended".to_owned(),
         EndReason::Until => format!("the limit of {} is reached", finished_run.finished.ended.time),
-        EndReason::Stuck => "every program waits for what cannot come".to_owned(),
+        EndReason::Stuck => "every program waits for an event that cannot occur".to_owned(),
         EndReason::Interrupted => "interrupted".to_owned(),
         EndReason::ProgramFailed | EndReason::HeapLost => "a program failed".to_owned(),
         EndReason::Record(error) => error.to_string(),

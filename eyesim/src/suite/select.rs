@@ -32,7 +32,7 @@ impl Selection {
         let term = parse_or(&mut words).map_err(error)?;
         match words.pop() {
             None => Ok(Self(term)),
-            Some(word) => Err(error(format!("`{word}` has no place"))),
+            Some(word) => Err(error(format!("`{word}` is not allowed here"))),
         }
     }
 
@@ -126,9 +126,13 @@ mod tests {
 
     #[test]
     fn invalid_expressions_are_reported() {
-        for (text, problem) in
-            [("", "missing"), ("a and", "missing"), ("(a", "not closed"), ("a b", "`b` has no place"), ("or a", "`or`")]
-        {
+        for (text, problem) in [
+            ("", "missing"),
+            ("a and", "missing"),
+            ("(a", "not closed"),
+            ("a b", "`b` is not allowed here"),
+            ("or a", "`or`"),
+        ] {
             let error = Selection::parse(text).expect_err(text).to_string();
             assert!(error.contains(problem), "{error}");
         }

@@ -266,9 +266,9 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
         "timer_attached" => format!("attaches timer {}, every {:.3} s", number("timer"), number("period_s")),
         "timer_detached" => format!("detaches timer {}", number("timer")),
         "stdout" | "stderr" | "reason" | "hint" => text("text").to_string(),
-        "placed" => format!("is put at {} by r{}", fields.position_text(), number("by")),
+        "placed" => format!("is placed at {} by r{}", fields.position_text(), number("by")),
         "object_placed" => {
-            format!("object {} is put at {} by r{}", number("object"), fields.position_text(), number("by"))
+            format!("object {} is placed at {} by r{}", number("object"), fields.position_text(), number("by"))
         }
         "radio_sent" => {
             let to = fields.0["to"].as_u64().map_or("all".to_owned(), |to| format!("r{to}"));
@@ -295,8 +295,8 @@ fn intervention(action: &serde_json::Value) -> String {
     match action["do"].as_str().unwrap_or_default() {
         "press" => format!("the user presses {} of r{}", fields.text("key"), number("robot")),
         "type" => format!("the user types `{}` to r{}", fields.text("line"), number("robot")),
-        "place_robot" => format!("the user puts r{} at {}", number("robot"), fields.position_text()),
-        "place_object" => format!("the user puts object {} at {}", number("object"), fields.position_text()),
+        "place_robot" => format!("the user places r{} at {}", number("robot"), fields.position_text()),
+        "place_object" => format!("the user places object {} at {}", number("object"), fields.position_text()),
         "set_noise" => {
             let robots = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
             format!("the user sets {} of {robots} to {}", fields.text("parameter"), number("value"))

@@ -52,7 +52,7 @@ pub enum ViewError {
     #[error("a field of view of {0} rad, accepted: above 0, below pi for a pinhole, up to 2 pi for a fisheye")]
     Field(f64),
     /// The pose is not finite, or its position is too far away.
-    #[error("a camera's place or direction is not finite, or farther than 1e9 m away")]
+    #[error("a camera's position or direction is not finite, or farther than 1e9 m away")]
     Pose,
 }
 

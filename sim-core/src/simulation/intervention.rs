@@ -59,7 +59,7 @@ pub enum Refusal {
     },
     /// The pose is out of range.
     #[error(
-        "x {x_m} m, y {y_m} m, phi {phi_rad} rad is not a place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
+        "x {x_m} m, y {y_m} m, phi {phi_rad} rad is not a valid pose: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
     )]
     Place {
         /// World x, m.

@@ -264,7 +264,7 @@ impl Words for Medium {
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (Medium::Free, "free", "Nobody disturbs anybody."),
         (Medium::Aloha, "aloha", "Messages that overlap at a receiver are lost."),
-        (Medium::TokenRing, "token_ring", "Who has the token sends."),
+        (Medium::TokenRing, "token_ring", "Only the station that has the token sends."),
     ];
 }
 
@@ -314,7 +314,7 @@ impl Reader {
             if key.get_ref() != "file" {
                 let span = self.span(key.span());
                 let message = format!("`{}` and `file` exclude each other", key.get_ref());
-                self.sink.error(Code::TomlConflict, span, message, "either `file` alone or the type in place");
+                self.sink.error(Code::TomlConflict, span, message, "either `file` alone or an inline type");
             }
         }
     }

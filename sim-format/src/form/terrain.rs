@@ -159,7 +159,7 @@ fn image_keys(keys: &mut Keys<'_>, image: &mut TerrainImage) {
     let TerrainImage { path, origin, size, base, height } = image;
     keys.key(
         "image",
-        "The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.",
+        "The image file: a grey png of 8 or 16 bits. The centres of its pixels are the corners of the terrain's cells.",
     )
     .required(IMAGE, path);
     let about = "Position of the lower left corner in mm, and height of black; default: 0.";
@@ -264,7 +264,8 @@ fn steps_keys(keys: &mut Keys<'_>, steps: &mut Steps) {
 impl Form for Stairs {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("StairsForm", "A flight of stairs.");
-        keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
+        keys.key("from_mm", "Midpoint of the lower edge of the first step, x and y in mm.")
+            .required(POINT, &mut self.from);
         keys.key("direction_deg", "Direction in which the stairs go up: 0, 90, 180 or 270 degrees; default: 0.")
             .strict(STAIRS_DIRECTION, &mut self.uphill);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);

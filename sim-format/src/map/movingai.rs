@@ -105,7 +105,7 @@ fn read_header<'t>(
             [word] if word.text == "map" => {
                 for (name, side) in ["height", "width"].iter().zip(sides.iter()) {
                     if side.is_none() {
-                        let message = format!("the map does not state its {name}; it is taken from the rows");
+                        let message = format!("the map does not state its {name}; the {name} of the rows is used");
                         sink.warn(Code::MapKey, word.span, message, HEADER_SYNTAX);
                     }
                 }

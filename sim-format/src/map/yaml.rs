@@ -297,7 +297,7 @@ impl<'t> Values<'t, '_> {
         if !self.entries.contains_key(key) {
             match default {
                 Some(default) => {
-                    let instead = format!(": {default} is taken");
+                    let instead = format!(": {default} is used");
                     self.report_missing(Severity::Warning, key, &instead, &format!("`{key}: {default}`"));
                 }
                 None => self.report_missing(
@@ -327,7 +327,7 @@ impl<'t> Values<'t, '_> {
     fn origin(&mut self) -> Pose {
         let expected = "`origin: [X, Y, YAW]`: the pose of the lower left pixel in metres and radians";
         let Some(entry) = self.entries.get("origin") else {
-            self.report_missing(Severity::Warning, "origin", ": [0, 0, 0] is taken", expected);
+            self.report_missing(Severity::Warning, "origin", ": [0, 0, 0] is used", expected);
             return Pose::default();
         };
         let values = entry.values.clone();
@@ -345,7 +345,7 @@ impl<'t> Values<'t, '_> {
             *number = self.value(word, quantity).unwrap_or_default();
         }
         if values.len() == 2 {
-            self.report(Severity::Warning, "origin", "`origin` has no yaw: 0 is taken", expected);
+            self.report(Severity::Warning, "origin", "`origin` has no yaw: 0 is used", expected);
         }
         Pose::new(numbers[0], numbers[1], numbers[2])
     }
@@ -353,7 +353,7 @@ impl<'t> Values<'t, '_> {
     fn negated(&mut self) -> bool {
         let expected = "`negate: 0`, or 1 for an image in which white is occupied";
         if !self.entries.contains_key("negate") {
-            self.report_missing(Severity::Warning, "negate", ": 0 is taken", expected);
+            self.report_missing(Severity::Warning, "negate", ": 0 is used", expected);
             return false;
         }
         let Some(word) = self.single("negate", expected) else { return false };

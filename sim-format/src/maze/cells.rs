@@ -131,8 +131,8 @@ pub(super) fn add_start(drawing: &mut Drawing, rows: usize, start_and_goals: &St
             let more = if cells.len() > 9 { ", ..." } else { "" };
             note.push_str(&format!("; goal {}{more}", cells[..cells.len().min(9)].join(", ")));
             note.push_str(&match passages.shortest_path_steps(start_and_goals.start, goals) {
-                Some(steps) => format!("; {steps} steps from cell to cell on a shortest way from the start to it"),
-                None => "; no way leads from the start to it".to_owned(),
+                Some(steps) => format!("; {steps} steps from cell to cell on a shortest path from the start to it"),
+                None => "; no path leads from the start to it".to_owned(),
             });
         }
     }

@@ -172,7 +172,7 @@ impl Posts {
             let index = (begin..).find(|index| character_at(*index) != ' ').unwrap_or(begin);
             let span = content.get(index).map_or(line.span(), |character| character.1);
             if pieces < pitch - 1 {
-                let message = "a wall with gaps; it is taken as a wall";
+                let message = "a wall with gaps; it is read as a complete wall";
                 sink.warn(Code::MazPosts, span, message, format!("{} characters from post to post", pitch - 1));
             }
             self.drawing.horizontal.push((row as u32, column as u32, span));

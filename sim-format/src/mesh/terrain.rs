@@ -44,7 +44,7 @@ impl MeshReader<'_> {
             TerrainShape::Image(image) => self.read_image(&world.file, image)?.height_field(image),
             TerrainShape::Random(random) => random.field().map(|(field, left_out)| {
                 if left_out > 0 {
-                    let message = format!("{left_out} boulders find no place apart from the clear discs");
+                    let message = format!("{left_out} boulders have no free position outside the clear discs");
                     let mut sink = Sink::new(&world.file);
                     sink.warn(Code::TerrainClear, terrain.span, message, "fewer or smaller boulders, or smaller discs");
                     self.loader.diagnostics.extend(sink.finish());
@@ -82,7 +82,7 @@ impl MeshReader<'_> {
                 sink.error(Code::TerrainImage, image.path.span, message, "a grey png of 8 or 16 bits");
             }
             Ok(grey) if grey.has_colours => {
-                let message = format!("`{path}` has colours; their brightness is taken");
+                let message = format!("`{path}` has colours; their brightness is used");
                 sink.warn(Code::TerrainColour, image.path.span, message, "a grey png of 8 or 16 bits");
             }
             Ok(_) => {}

@@ -74,7 +74,7 @@ fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
     let (a, b) = (content::object(a), content::object(b));
     let properties = [
         (a.name != b.name, "the name"),
-        (a.model != b.model, "the place of the mesh"),
+        (a.model != b.model, "the position of the mesh"),
         (a.scale != b.scale, "the scale"),
         (a.colliders != b.colliders, "the last digits of the colliders"),
         ((a.mass, a.centre_of_mass, a.is_fixed) != (b.mass, b.centre_of_mass, b.is_fixed), "the mass"),

@@ -116,9 +116,9 @@ impl Printer<'_> {
             (run.contact.is_some(), "the contact of robots with walls"),
             (run.wall_friction.is_some(), "the friction of the walls"),
             (has_names, "the names of robots and objects"),
-            (sim.inline.world.is_some(), "the world described in place"),
-            (!sim.inline.robot_types.is_empty(), "robot types described in place"),
-            (!sim.inline.object_types.is_empty(), "object types described in place"),
+            (sim.inline.world.is_some(), "the inline world"),
+            (!sim.inline.robot_types.is_empty(), "inline robot types"),
+            (!sim.inline.object_types.is_empty(), "inline object types"),
         ];
         self.out.lost.extend(
             lost_properties.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, property)| property.to_owned()),

@@ -98,7 +98,7 @@ const CAPSULE_SYNTAX: &str =
 const COLLIDER_SYNTAX: &str = "`collider box ...`, `collider sphere ...` or `collider capsule ...`";
 const MASS_SYNTAX: &str = "`mass KG RIGHT UP FORWARD` in kg and mm: the mass and where its centre is";
 const MODEL_SYNTAX: &str =
-    "`model FILE` or `model FILE RIGHT UP FORWARD RX RY RZ`: a mesh file, its place in mm, its turns";
+    "`model FILE` or `model FILE RIGHT UP FORWARD RX RY RZ`: a mesh file, its position in mm, its rotations";
 
 const BOX: [Quantity; 6] = [
     Quantity::size("width of the collider"),
@@ -128,9 +128,9 @@ const MASS: [Quantity; 4] = [
     Quantity::coordinate("centre of mass"),
 ];
 const MODEL_POSE: [Quantity; 6] = [
-    Quantity::coordinate("place of the mesh").minor(),
-    Quantity::coordinate("place of the mesh").minor(),
-    Quantity::coordinate("place of the mesh").minor(),
+    Quantity::coordinate("position of the mesh").minor(),
+    Quantity::coordinate("position of the mesh").minor(),
+    Quantity::coordinate("position of the mesh").minor(),
     Quantity::angle("turn of the mesh").minor(),
     Quantity::angle("turn of the mesh").minor(),
     Quantity::angle("turn of the mesh").minor(),

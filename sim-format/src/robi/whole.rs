@@ -27,7 +27,7 @@ impl Reader {
         if self.wheel_line.is_none() && !matches!(self.robi.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
             let wheel = &self.robi.wheel;
             let message = format!(
-                "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are taken",
+                "no `wheel` line: wheels of {} mm, {} ticks a turn, {} mm apart are used",
                 unit::mm_from_metres(wheel.diameter),
                 wheel.ticks_per_turn,
                 unit::mm_from_metres(wheel.track)
@@ -35,7 +35,7 @@ impl Reader {
             self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_SYNTAX);
         }
         if self.drive_line.is_none() {
-            let message = "no `drive` line: a differential drive is taken";
+            let message = "no `drive` line: a differential drive is used";
             self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_SYNTAX);
         }
         if self.dialect < Dialect::Vr2017 {
@@ -102,7 +102,7 @@ impl Reader {
             let [track_mm, body_mm] = [track, body_diameter].map(unit::mm_from_metres);
             let message = format!(
                 "wheels at {track_mm} mm to either side, as EyeSim VR reads this, would stand outside the body of \
-                 {body_mm:.0} mm; {track_mm} mm are taken as their distance"
+                 {body_mm:.0} mm; {track_mm} mm are used as their distance"
             );
             self.sink.warn(Code::RobiTrackWide, span, message, "half the distance of the wheels");
         } else {
@@ -124,7 +124,7 @@ impl Reader {
         let diameter = (2.0 * radii[0].max(radii[1])).min(MAX_LENGTH);
         let diameter_mm = unit::mm_from_metres(diameter);
         let message =
-            format!("neither `diameter` nor `collider`: a body of {diameter_mm:.0} mm around the wheels is taken");
+            format!("neither `diameter` nor `collider`: a body of {diameter_mm:.0} mm around the wheels is used");
         self.sink.warn(Code::RobiBodyMissing, Span::default(), message, "`diameter D` in mm, or `collider` lines");
         diameter
     }

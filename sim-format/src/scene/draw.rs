@@ -258,7 +258,7 @@ impl<'i> DrawPass<'_, 'i> {
         section.span = self.reader.span(span.clone());
         let ways = DRAWS.into_iter().filter(|key| section.has(key)).collect::<Vec<_>>();
         let [key] = ways[..] else {
-            let message = format!("a value is drawn in several ways: {}", ways.join(", "));
+            let message = format!("a value is drawn by several keys: {}", ways.join(", "));
             self.report(&section, message, "one of uniform, choice, normal, same_as, random_maze");
             return self.float(1.0);
         };

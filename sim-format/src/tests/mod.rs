@@ -378,7 +378,7 @@ fn files_saved_with_txt_are_read_by_the_extension_before_it() {
     ]);
     let loaded = load_scene("a.sim.txt", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-moved", "wld-wall-arity"]);
-    assert_eq!(loaded.diagnostics[0].message, "`w.wld` is not found; `w.wld.txt` is taken instead");
+    assert_eq!(loaded.diagnostics[0].message, "`w.wld` is not found; `w.wld.txt` is used instead");
     assert_eq!(loaded.scene.world.floor, DVec2::ONE);
     assert_eq!(codes(&load_world("w.wld.txt", &files).diagnostics), ["wld-wall-arity"]);
 }

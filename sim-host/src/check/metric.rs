@@ -34,7 +34,7 @@ fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
     for part in path.split('.') {
         // A program prints its metrics itself, so a check must not depend on them.
         if part == "metrics" && found_path.starts_with("robots") {
-            return Err(format!("`{path}`: the program prints its metrics itself: no check judges by them"));
+            return Err(format!("`{path}`: checks cannot use metrics that the program itself prints"));
         }
         let (name, mut indices) = part.split_once('[').map_or((part, ""), |(name, rest)| (name, rest));
         let fields = value.as_object().map(|fields| fields.keys().map(String::as_str).collect::<Vec<_>>());
@@ -76,7 +76,7 @@ fn number(value: &Value, path: &str) -> Result<f64, String> {
         Value::Bool(flag) => Ok(f64::from(u8::from(*flag))),
         Value::Null => Err(format!("`{path}` has no value in this run")),
         Value::String(text) => Err(format!("`{path}` is the text `{text}`, not a number")),
-        Value::Array(_) | Value::Object(_) => Err(format!("`{path}` has parts, it is not a number")),
+        Value::Array(_) | Value::Object(_) => Err(format!("`{path}` is a list or an object, not a number")),
     }
 }
 

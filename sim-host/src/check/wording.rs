@@ -80,9 +80,9 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
                 format!("{body} was {}, but never for {} s", region_text(region), stay.seconds())
             }
             (Some(_), Some(distance)) => {
-                let to = if matches!(region, Region::Disc { .. }) { "its centre" } else { "its border" };
+                let to = if matches!(region, Region::Disc { .. }) { "the centre" } else { "the border" };
                 format!(
-                    "{body} was never {}; it came as near as {} to {to} {}",
+                    "{body} was never {}; its smallest distance from {to} was {} {}",
                     region_text(region),
                     mm(distance),
                     at_text(finding)

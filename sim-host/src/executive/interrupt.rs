@@ -57,7 +57,7 @@ pub fn of_process() -> io::Result<Interrupt> {
         return Ok(interrupt);
     }
     if Handlers::are_installed() {
-        return Err(io::Error::other("a run is going on already"));
+        return Err(io::Error::other("a run is already in progress"));
     }
     ignore_file_limit()?;
     // SAFETY: the call changes nothing.

@@ -388,7 +388,8 @@ fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &Ro
             if is_in_empty_loop(failure, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")
     } else if report.description.starts_with(STACK_OVERFLOW) {
-        "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
+        "; a function calls itself without end, or a local array is too large, which `static` moves off the stack"
+            .to_owned()
     } else {
         let line = code_of(failure, program, 0).filter(|_| is_null);
         if let Some(missing) = line.and_then(|line| missing_argument(&line, robot, program)) {

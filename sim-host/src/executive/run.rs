@@ -457,7 +457,7 @@ impl Run {
     /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time; returns
     /// the program's ending.
     pub(super) fn abandon(&self, id: RobotId) -> Ending {
-        self.robot(id).state.hint("the robot has been removed and its program did not leave: it is left behind");
+        self.robot(id).state.hint("the robot was removed, but its program did not exit: its thread is abandoned");
         Ending::Stopped
     }
 

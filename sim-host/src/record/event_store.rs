@@ -26,7 +26,7 @@ const BATCH: usize = 1 << 16;
 #[derive(Debug, thiserror::Error)]
 pub enum EventStoreError {
     /// The events exceed `MAX_BYTES`.
-    #[error("so much has happened in this run that it is not kept: `--trace FILE` writes all of it")]
+    #[error("this run has too many events to store: `--trace FILE` writes all of them")]
     Full,
     /// Error of the operating system.
     #[error("the temporary file of the run cannot be used: {0}")]

@@ -29,7 +29,7 @@ pub enum RecordError {
         source: std::io::Error,
     },
     /// The cameras' scenery has warnings, and the options treat warnings as errors.
-    #[error("the scene is not run on: {0}")]
+    #[error("the run does not continue: {0}")]
     Strict(String),
     /// The report contains a value that its schema does not allow.
     #[error("cannot write the report: {0}")]

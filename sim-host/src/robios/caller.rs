@@ -490,7 +490,7 @@ impl<F: Flow> CallContext for Caller<F> {
     }
 
     fn unavailable(&self, name: &'static str) {
-        let text = format!("`{name}` is not simulated: it answers as a robot without that device does");
+        let text = format!("`{name}` is not simulated: it returns the result of a robot without that device");
         self.act_untimed(SupportCall::console, |robot| robot.hint(&text));
     }
 

@@ -33,7 +33,7 @@ pub struct CameraOutput {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImageUnavailable {
     /// The buffer is null.
-    #[error("it takes room for the image")]
+    #[error("the buffer for the image is null")]
     Null,
     /// The camera returns no image.
     #[error("{}", camera_error_text(.0))]
@@ -52,9 +52,7 @@ fn camera_error_text(error: &CameraError) -> String {
             "`{file}` has no camera; its line in a robi file is `camera X Y Z PAN TILT`, its table in a companion `[camera]`"
         ),
         CameraError::Off => "the camera is off until `CAMInit`".to_owned(),
-        CameraError::NotTaken => {
-            "it tells of the image that was taken last, and there is none since `CAMInit`".to_owned()
-        }
+        CameraError::NotTaken => "it refers to the last image, and none has been taken since `CAMInit`".to_owned(),
         error => error.to_string(),
     }
 }

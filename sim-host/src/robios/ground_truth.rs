@@ -144,7 +144,7 @@ pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
             place(robot, Placeable::Object(object), pose_from_program(robot.robios.dialect, to));
         }
         Some(NumberedObject::Fixed(_)) => {
-            robot.skip_call(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
+            robot.skip_call(Call::SIMSetObject, |_| format!("object {number} is fixed: it cannot be moved"));
         }
         None => skip_for_unknown_object(robot, Call::SIMSetObject, number),
     }
@@ -208,7 +208,10 @@ fn place(robot: &mut Robot, entity: Placeable, pose: Pose) {
 
 fn skip_for_unknown_robot(robot: &mut Robot, call: Call, number: i32) {
     robot.skip_call(call, |robot| {
-        format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.entity_numbers.robots)
+        format!(
+            "there is no robot {number}, accepted: 0 for the robot itself, 1 to {}",
+            robot.robios.entity_numbers.robots
+        )
     });
 }
 
@@ -218,7 +221,7 @@ fn skip_for_unknown_object(robot: &mut Robot, call: Call, number: i32) {
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),
             count => format!(
-                "there is no object {number}: objects are numbered on from the robots, here from {} to {}",
+                "there is no object {number}: the objects' numbers follow those of the robots, here from {} to {}",
                 robots + 1,
                 robots + count
             ),

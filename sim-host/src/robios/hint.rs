@@ -114,7 +114,7 @@ impl Hints {
         let is_due = *count == IGNORED_FAILURES && self.is_first(Mistake::IgnoredFailure);
         is_due.then(|| {
             format!(
-                "`{}` has failed {IGNORED_FAILURES} times and the program goes on: look at what it returns",
+                "`{}` has failed {IGNORED_FAILURES} times and the program continues: check its return value",
                 call.name()
             )
         })
@@ -153,7 +153,7 @@ impl Mistake {
                  number: check how it is calculated"
             }
             Self::Unopened => "a file cannot be opened",
-            Self::MissingWait => "a drive replaces the one before, which has just begun",
+            Self::MissingWait => "a drive replaces the previous one, which has just begun",
             Self::UnknownAddress => "a message to an address that no robot has",
             Self::NotOpen(_) => "a handle that is not open",
             Self::IgnoredFailure => "a function keeps failing: look at what it returns",

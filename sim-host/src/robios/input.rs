@@ -52,7 +52,7 @@ const MAX_LOOP_PERIOD: Time = Time::from_millis(5);
 
 /// Reason for ending a program that reads in a loop at the end of its input.
 pub const LOOP_REASON: &str =
-    "it reads its standard input in a loop, which has come to its end: `--stdin in.txt` gives it the text of a file";
+    "it reads its standard input in a loop, although the input has ended: `--stdin in.txt` gives it the text of a file";
 
 /// Hint to a program that reads from an empty input.
 pub const EMPTY_HINT: &str = "the program waits for typed input (standard input), but there is none: write the input into a file `in.txt` and run with \

@@ -79,7 +79,7 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
         return refuse_missing_part(robot, call, "joint", joint, |_| list(names.copied()));
     };
     if degrees.is_null() {
-        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the angle".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "the pointer for the angle is null".to_owned());
     }
     let angle = robot.state.motion.stance(robot.state.now).joints[named.first_joint + index];
     robot.record(Event::Joint { joint: &format!("{}.{}", named.leg.name, JOINTS[index]), angle_rad: angle });
@@ -98,7 +98,7 @@ pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], 
         return refuse_missing_part(robot, call, "link", link, |_| list(names.into_iter()));
     };
     if pose.is_null() {
-        return robot.refuse_call(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "the buffer for 6 numbers is null".to_owned());
     }
     let joints = robot.state.motion.stance(robot.state.now).joints;
     let body_from_link = link_pose(&named.leg.links(0, named.first_joint), &joints, index);
@@ -127,7 +127,7 @@ pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i3
         return refuse_without_legs(robot, call);
     }
     if mm.is_null() {
-        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the height".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "the pointer for the height is null".to_owned());
     }
     let height = robot.state.motion.stance(robot.state.now).lift;
     robot.record(Event::BodyHeight { height_m: height });

@@ -65,7 +65,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     let spec = Arc::clone(&robot.spec);
     let Some(lidar) = &spec.lidar else { return Err(robot.refuse_call(call, failure, no_scanner_reason)) };
     if distances.is_null() {
-        return Err(robot.refuse_call(call, failure, |_| "it takes room for the distances".to_owned()));
+        return Err(robot.refuse_call(call, failure, |_| "the buffer for the distances is null".to_owned()));
     }
     let Robot { state, robios, .. } = robot;
     let simulation::Robot { id, now, motion, journal, devices, .. } = state;

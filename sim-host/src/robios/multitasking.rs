@@ -296,7 +296,9 @@ pub fn set_preemption(robot: &mut Robot, call: Call, is_permitted: bool) -> i32 
 pub fn uid(robot: &mut Robot, task: i32) -> i32 {
     match robot.tasks.find(task) {
         Some(task) => task.origin.uid,
-        None => robot.refuse_call(Call::OSGetUID, 0, |_| "it got no task, or one that has ended".to_owned()),
+        None => {
+            robot.refuse_call(Call::OSGetUID, 0, |_| "its argument is not a task, or the task has ended".to_owned())
+        }
     }
 }
 
@@ -311,11 +313,11 @@ pub fn release_semaphore(robot: &mut Robot, semaphore: i32) -> i32 {
     if robot.tasks.release_semaphore(number) {
         return 0;
     }
-    robot.refuse_call(Call::OSSemV, -1, |_| format!("semaphore {number} counts no further than {}", i32::MAX))
+    robot.refuse_call(Call::OSSemV, -1, |_| format!("semaphore {number} cannot count beyond {}", i32::MAX))
 }
 
 fn refuse_unknown_semaphore(robot: &mut Robot, call: Call) -> i32 {
-    robot.refuse_call(call, -1, |_| "it got no semaphore that `OSSemInit` has made".to_owned())
+    robot.refuse_call(call, -1, |_| "its argument is not a semaphore that `OSSemInit` has initialised".to_owned())
 }
 
 fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, site: Site) -> i32 {
@@ -328,7 +330,9 @@ fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, si
     }
     let previous = u32::try_from(*pointer).unwrap_or(0);
     if robot.tasks.semaphores.get(previous).is_some_and(Semaphore::has_waiters) {
-        robot.hint(&format!("`OSSemInit` makes semaphore {previous} anew: the tasks that wait at it never pass"));
+        robot.hint(&format!(
+            "`OSSemInit` initialises semaphore {previous} again: the tasks that wait for it never continue"
+        ));
     }
     match robot.tasks.semaphores.create(count, site) {
         Some(number) => {
@@ -372,7 +376,8 @@ fn find_task(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
         return Err(-1);
     }
     let number = robot.tasks.find(task).map(|task| task.number);
-    number.ok_or_else(|| robot.refuse_call(call, -1, |_| "it got no task, or one that has ended".to_owned()))
+    number
+        .ok_or_else(|| robot.refuse_call(call, -1, |_| "its argument is not a task, or the task has ended".to_owned()))
 }
 
 const NOT_STARTED: &str = "there is no multi-tasking before `OSMTInit`";
@@ -390,7 +395,7 @@ fn is_started(robot: &mut Robot, call: Call) -> bool {
 /// cannot.
 fn can_yield(robot: &mut Robot, call: Call) -> bool {
     if robot.timers.in_callback {
-        robot.skip_call(call, |_| "a timer's function gives way to nobody".to_owned());
+        robot.skip_call(call, |_| "a timer's function cannot yield".to_owned());
     }
     !robot.timers.in_callback && !robot.tasks.current().is_unwinding()
 }

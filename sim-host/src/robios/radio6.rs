@@ -53,7 +53,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buf
 /// `RADIOGetIoctl`
 pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<RadioIOParameters>) -> i32 {
     if parameters.is_null() {
-        return robot.refuse_call(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
+        return robot.refuse_call(Call::RADIOGetIoctl, FAILURE, |_| "the pointer for the settings is null".to_owned());
     }
     parameters.set(settings(robot, world));
     0
@@ -71,7 +71,7 @@ pub fn set_settings(robot: &mut Robot, world: &World, parameters: Option<&RadioI
 /// `RADIOGetStatus`
 pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     if status.is_null() {
-        return robot.refuse_call(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
+        return robot.refuse_call(Call::RADIOGetStatus, FAILURE, |_| "the pointer for the status is null".to_owned());
     }
     let Some(member) = robot.radio_member() else {
         return radio::refuse_while_off(robot, Call::RADIOGetStatus, FAILURE);
@@ -102,7 +102,7 @@ fn checked_settings(
 ) -> Result<RadioIOParameters, String> {
     let Some(requested) = parameters else { return Err("no settings".to_owned()) };
     if robot.radio_member().is_some() {
-        return Err("the radio is on: its settings are made before `RADIOInit`".to_owned());
+        return Err("the radio is on: its settings can be changed only before `RADIOInit`".to_owned());
     }
     let RadioIOParameters { interface, speed, id, remote_on, image_transfer, debug } = *requested;
     let current = settings(robot, world);

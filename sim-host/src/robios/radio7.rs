@@ -58,7 +58,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Pol
 /// it on in this slot waits for the slot's end, so that robots that start together find each other.
 pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> Poll<i32> {
     if addresses.is_null() {
-        let reason = |_: &_| "no place for the addresses".to_owned();
+        let reason = |_: &_| "the pointer for the addresses is null".to_owned();
         return Poll::Ready(robot.refuse_call(Call::RADIOStatus, 0, reason));
     }
     let Some(own) = robot.radio_member() else {

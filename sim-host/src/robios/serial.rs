@@ -246,7 +246,7 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     let (name, at) = (serial.name_if_open(number).unwrap_or_default(), serial.next_arrival(number));
     let connection = match serial.peers.get(&number) {
         None => "to which nothing is connected",
-        Some(Peer::Loopback) => "which gives back what is sent",
+        Some(Peer::Loopback) => "which returns all bytes that are sent",
         Some(Peer::Device { .. }) => "whose file is at its end",
     };
     Poll::Pending { at, reason: WaitReason::Input(format!("a byte on {name}, {connection}")) }

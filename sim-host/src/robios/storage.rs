@@ -32,7 +32,7 @@ pub fn missing_file(name: Option<&str>) -> String {
         },
         Some(name) => format!("there is no file `{name}` in `{}`, the folder in which eyesim runs", folder.display()),
         None => format!(
-            "a file is missing: names of files begin in `{}`, the folder in which eyesim runs",
+            "a file is missing: file names are relative to `{}`, the folder in which eyesim runs",
             folder.display()
         ),
     }

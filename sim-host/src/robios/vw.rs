@@ -270,7 +270,7 @@ pub(super) fn start_drive(
         robot.robios.vw.last_drive.is_some_and(|(start, _)| robot.now - start <= IMMEDIATE_REPLACEMENT);
     if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
         let text = format!(
-            "a drive replaces the one before, which has just begun: write `{}` above this line, which waits for its end",
+            "this drive replaces the previous one, which has just begun: write `{}` above this line to wait for its end",
             if wait_function == "VWWait" { "VWWait()" } else { wait_function }
         );
         robot.hint_once(Mistake::MissingWait, &text);

@@ -44,7 +44,7 @@ pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
     }
     if let Some(dialect) = scene.guessed_dialect().filter(|_| !args.quiet) {
         say(format_args!(
-            "`{}` is written for EyeSim VR of 2018 (`robi` or `obj` loads a type): --dialect={} holds, --dialect=vr2023 changes that",
+            "`{}` is written for EyeSim VR of 2018 (`robi` or `obj` loads a type): --dialect={} is used, --dialect=vr2023 selects today's conventions",
             args.sim.display(),
             dialect.word()
         ));

@@ -479,7 +479,7 @@ impl Child {
     /// Describes the unexpected end of the process as a failure.
     fn failure_of_end(&self, status: ExitStatus) -> Failure {
         if self.is_debugged {
-            return self.failure("the debugger was left before the program had ended");
+            return self.failure("the debugger exited before the program");
         }
         if self.location_request.lock().as_ref().is_some_and(|request| request.is_killed) {
             let crash = Crash { signal: OVERDUE_SIGNAL, ..Crash::default() };
