@@ -1,13 +1,13 @@
 //! Maps a room with seven ultrasonic sensors, by lines between neighbouring readings (Wu et al. 2013).
 //!
 //! At each stop the robot observes its surroundings. If it finds a fault, it turns by half a sector and observes again.
-//! Then it turns around, does the same behind, and adds all readings to its map. It then drives to the nearest place
+//! Then it turns around, does the same behind, and adds all readings to its map. It then drives to the nearest position
 //! from which it can see unknown cells, and ends when there is none.
 //!
 //! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is
 //! that of the start: x ahead, y to the left. Default: 4 m to each side, cells of 50 mm.
 //!
-//! It prints `look` with each [`Scan`], `stop` for each place, and at the end the map as `row`s, the upper one first:
+//! It prints `look` with each [`Scan`], `stop` for each stop, and at the end the map as `row`s, the upper one first:
 //! `#` occupied, `.` free, `?` unknown. The display shows the map; the window also shows its probabilities and the path
 //! to the next stop.
 
