@@ -1,5 +1,5 @@
-//! A page of the docs with places for tables: `<!-- papers: PAPER -->` begins the place of a paper's claims,
-//! `<!-- papers: PAPER/TABLE -->` the place of one of its tables. The next `<!-- end -->` ends a place.
+//! A page of the docs with sections for tables: `<!-- papers: PAPER -->` begins the section of a paper's claims,
+//! `<!-- papers: PAPER/TABLE -->` that of one of its tables. The next `<!-- end -->` ends a section.
 
 use std::fs;
 use std::ops::Range;
@@ -30,13 +30,13 @@ impl Doc {
         Ok(Self { path: path.to_owned(), text })
     }
 
-    /// Writes the tables of a paper into their places.
+    /// Writes the tables of a paper into their sections.
     ///
     /// # Errors
-    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
+    /// If there is no section for the claims, the paper does not have a table of the page, or a section has no end.
     pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
-        // From the last to the first, so that the ranges of earlier places stay valid.
-        for (range, table) in self.places(paper, page)?.into_iter().rev() {
+        // From the last to the first, so that the ranges of earlier sections stay valid.
+        for (range, table) in self.sections(paper, page)?.into_iter().rev() {
             self.text.replace_range(range, &table);
         }
         Ok(())
@@ -64,11 +64,11 @@ impl Doc {
     /// Differences between the tables of a paper and the page, as one message for each line.
     ///
     /// # Errors
-    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
+    /// If there is no section for the claims, the paper does not have a table of the page, or a section has no end.
     pub fn differences(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<String>> {
         let path = self.path.display();
         let mut differences = Vec::new();
-        for (range, table) in self.places(paper, page)? {
+        for (range, table) in self.sections(paper, page)? {
             let first = self.text[..range.start].lines().count() + 1;
             let (mut old, mut new) = (self.text[range].lines(), table.lines());
             let mut line = first;
@@ -98,8 +98,8 @@ impl Doc {
     /// Places of a paper's tables, from top to bottom, each with its new content.
     ///
     /// # Errors
-    /// If there is no place for the claims, the paper does not have a table of the page, or a place has no end.
-    fn places(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<(Range<usize>, String)>> {
+    /// If there is no section for the claims, the paper does not have a table of the page, or a section has no end.
+    fn sections(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<(Range<usize>, String)>> {
         let path = self.path.display();
         let mut ranges = Vec::new();
         let mut has_claims = false;
@@ -121,7 +121,7 @@ impl Doc {
         }
         if !has_claims {
             bail!(
-                "`{path}` has no place for the claims of `{paper}`: expected a line `{BEGIN}{paper} -->`, and later `{END}`"
+                "`{path}` has no section for the claims of `{paper}`: expected a line `{BEGIN}{paper} -->`, and later `{END}`"
             );
         }
         Ok(ranges)
@@ -148,25 +148,25 @@ mod tests {
     #[test]
     fn tables_are_written_between_their_markers() {
         let mut doc = doc("x\n<!-- papers: wu -->\nold\n<!-- end -->\ny\n<!-- papers: wu/rows -->\n<!-- end -->\n");
-        assert!(!doc.differences("wu", &page()).expect("places").is_empty());
+        assert!(!doc.differences("wu", &page()).expect("sections").is_empty());
         for _ in 0..2 {
-            doc.set("wu", &page()).expect("places");
+            doc.set("wu", &page()).expect("sections");
             assert!(
                 doc.text.ends_with("y\n<!-- papers: wu/rows -->\n| a |\n|---|\n| 1 |\n<!-- end -->\n"),
                 "{}",
                 doc.text
             );
         }
-        assert_eq!(doc.differences("wu", &page()).expect("places"), Vec::<String>::new());
+        assert_eq!(doc.differences("wu", &page()).expect("sections"), Vec::<String>::new());
         doc.text = doc.text.replace("| 1 |", "| 2 |");
-        let differences = doc.differences("wu", &page()).expect("places");
+        let differences = doc.differences("wu", &page()).expect("sections");
         assert_eq!(differences, ["`p.md`, line 10: it says\n  | 2 |\nbut we find\n  | 1 |"]);
     }
 
     #[test]
     fn a_missing_marker_and_a_marker_without_a_table_are_reported() {
-        let message = |text: &str| doc(text).differences("wu", &page()).expect_err("no place").to_string();
-        assert!(message("").contains("no place for the claims of `wu`"));
+        let message = |text: &str| doc(text).differences("wu", &page()).expect_err("no section").to_string();
+        assert!(message("").contains("no section for the claims of `wu`"));
         assert!(message("<!-- papers: wu -->\n").contains("expected `<!-- end -->` after `wu`"));
         assert!(message("<!-- papers: wu/x -->\n<!-- end -->").contains("`wu` has no table `x`"));
     }

@@ -1,4 +1,4 @@
-//! Choice of the next place of observation, and the path to it.
+//! Choice of the next observation position, and the path to it.
 
 use mapping::astar::{self, Path};
 use mapping::distance::distances;
@@ -15,11 +15,11 @@ const CLEARANCE: f64 = 0.21;
 const UNHEARD_CLEARANCE: f64 = 0.15;
 /// Minimum probability of an unobserved cell; a cell of a silent sector has a slightly lower one.
 const UNHEARD: f64 = 0.49;
-/// Maximum distance of a frontier that counts as visible from a place, m.
+/// Maximum distance of a frontier that counts as visible from a position, m.
 const SIGHT: f64 = 0.7;
-/// Minimum number of frontier cells that makes a place worth visiting.
+/// Minimum number of frontier cells that make a position worth visiting.
 const WORTH: usize = 4;
-/// Minimum distance between places of observation, m.
+/// Minimum distance between observation positions, m.
 const APART: f64 = 0.5;
 /// Minimum difference from 0.5 of a sure probability: that of a reading of 1.4 m with a range of 4 m (Wu et al. 2013,
 /// Eq. 2).
@@ -33,7 +33,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Finds free space and frontiers on a map of probabilities, given the places of unexpected obstacles.
+    /// Finds free space and frontiers on a map of probabilities, given the positions of unexpected obstacles.
     pub fn new(map: &Grid<f64>, bumps: &[Point]) -> Self {
         let frame = *map.frame();
         let said = map.map(|probability| Occupancy::of(*probability));
@@ -50,8 +50,8 @@ impl Plan {
         Self { frame, room, frontier }
     }
 
-    /// Path to the nearest reachable place near a frontier that is not near a place where the robot has `been`.
-    /// Frontiers are free cells beside cells that are unknown or not surely occupied. `None` if there is no such place.
+    /// Path to the nearest reachable position near a frontier that is not near a position in `been`. Frontiers are free
+    /// cells beside cells that are unknown or not surely occupied. `None` if there is no such position.
     pub fn next(&self, from: Point, been: &[Point]) -> Option<Vec<Point>> {
         let start = self.frame.cell_at(from)?;
         let is_new = |point: Point| been.iter().all(|old| (point - old).norm() >= APART);
@@ -105,11 +105,11 @@ mod tests {
         let edge = "..................??";
         let text = [vec![edge; 6], vec![blocked; 4], vec![open; 6]].concat().join(" ");
         let plan = Plan::new(&map(&text), &[]);
-        let path = plan.next(Point::new(0.35, 1.45), &[]).expect("a way");
+        let path = plan.next(Point::new(0.35, 1.45), &[]).expect("a path");
         let end = path[path.len() - 1];
         assert!(end.x < 1.7 && end.x > 1.0, "{path:?}");
         let been = [end];
-        let other = plan.next(end, &been).expect("another place");
+        let other = plan.next(end, &been).expect("another position");
         assert!((other[other.len() - 1] - end).norm() >= APART);
     }
 

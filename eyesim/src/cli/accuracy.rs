@@ -194,7 +194,7 @@ impl MarkdownPage {
         let path = self.path.display();
         let Some(start) = self.text.find(&marker).map(|position| position + marker.len()) else {
             bail!(
-                "--page `{path}` has no place for the table of `{study}`: expected a line `{marker}`, and later `{END}`"
+                "--page `{path}` has no section for the table of `{study}`: expected a line `{marker}`, and later `{END}`"
             )
         };
         let Some(length) = self.text[start..].find(END) else {
@@ -230,7 +230,7 @@ mod tests {
             text: "a\n<!-- accuracy: drive -->\nold\n<!-- end -->\nb <!-- end -->\n".to_owned(),
         };
         for _ in 0..2 {
-            page.insert("drive", &markdown_table(&[row(0.0, 5.0)])).expect("there is a place");
+            page.insert("drive", &markdown_table(&[row(0.0, 5.0)])).expect("there is a section");
             let table = "| method | setting | error | time |\n|---|---|---|---|\n\
                          | closed-form | slot of 1 ms | 0 m | 5.00 ns a second |\n";
             assert_eq!(page.text, format!("a\n<!-- accuracy: drive -->\n{table}<!-- end -->\nb <!-- end -->\n"));

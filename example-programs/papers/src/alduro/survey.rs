@@ -19,7 +19,7 @@ use crate::trace::{Event, Trace};
 pub const SIDE: f64 = 10.0;
 /// Height of the beam, m.
 pub const HEIGHT: f64 = 2.5;
-/// Number of places along a side at which heights are compared.
+/// Number of points along a side at which heights are compared.
 const PLACES: usize = 100;
 /// Number of sonars on the beam across the terrain: as many as one bus takes.
 const SONARS: usize = 16;
@@ -81,7 +81,7 @@ pub struct Survey {
     pub seed: u64,
     /// The terrain.
     pub field: HeightField,
-    /// Terrain heights at the compared places, m.
+    /// Terrain heights at the compared points, m.
     heights: Vec<f64>,
     readings: Vec<SonarReading>,
 }
@@ -99,21 +99,21 @@ impl Survey {
 
     /// Root mean square error of a height map, m, in the square from (0, 0) with this side.
     pub fn rms(&self, side: f64, height: impl Fn(f64, f64) -> f64) -> f64 {
-        let compared = places().zip(&self.heights).filter(|((x, y), _)| *x < side && *y < side);
+        let compared = compared_points().zip(&self.heights).filter(|((x, y), _)| *x < side && *y < side);
         let square = |((x, y), truth): ((f64, f64), &f64)| (height(x, y) - truth).powi(2);
         let (sum, count) = compared.map(square).fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
         (sum / f64::from(count)).sqrt()
     }
 }
 
-/// The compared places, m.
-fn places() -> impl Iterator<Item = (f64, f64)> {
+/// The compared points, m.
+fn compared_points() -> impl Iterator<Item = (f64, f64)> {
     let coordinate = |index: usize| (index as f64 + 0.5) * SIDE / PLACES as f64;
     (0..PLACES * PLACES).map(move |index| (coordinate(index % PLACES), coordinate(index / PLACES)))
 }
 
-/// Runs the surveys of the terrains with these seeds. It also writes the true heights at the compared places beside the
-/// traces, in m, with a row of places along x on each line, so that others can compute errors of maps without this
+/// Runs the surveys of the terrains with these seeds. It also writes the true heights at the compared points beside the
+/// traces, in m, with a row of points along x on each line, so that others can compute errors of maps without this
 /// program.
 ///
 /// # Errors
@@ -136,7 +136,7 @@ pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition
             readings.iter_mut().for_each(|(sonar, _)| *sonar = by_odometry(sonar, seed));
         }
         let field = terrain(seed).field()?;
-        let heights: Vec<f64> = places().map(|(x, y)| field.height(x, y)).collect();
+        let heights: Vec<f64> = compared_points().map(|(x, y)| field.height(x, y)).collect();
         let row = |row: &[f64]| row.iter().map(|height| format!("{height:.6}")).collect::<Vec<_>>().join(",");
         let table: Vec<String> = heights.chunks(PLACES).map(row).collect();
         let path = job.folder().join("runs").join(format!("heights-{seed}.csv"));

@@ -1,4 +1,4 @@
-//! Range sensors of a biped that walks over holes, stairs and uneven floor: their number and their places.
+//! Range sensors of a biped that walks over holes, stairs and uneven floor: their number and their mount points.
 //!
 //! Section 7 of the paper names the placement of few sensors as the next step. The walk does not depend on the sensors,
 //! so each walk is simulated once, and the readings of each placement are computed from its true postures with the
@@ -14,7 +14,9 @@ use glam::DVec2;
 use sim_core::sensor::Echo;
 
 use self::course::{Course, Floor, WAY, courses};
-use self::placement::{Condition, JUDGED, Place, SCENES, SEARCHED, SENSORS, STEP, Score, Sensor, known, points, score};
+use self::placement::{
+    Condition, JUDGED, MountPoint, SCENES, SEARCHED, SENSORS, STEP, Score, Sensor, known, points, score,
+};
 use super::side::{Canvas, FAR_LEG, NEAR_LEG, RAY};
 use crate::alduro::on_two_threads;
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
@@ -37,7 +39,7 @@ const TILTS: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 75.0, 90.0];
 const SEARCHES: usize = 4 * TILTS.len();
 const NAMES: [[&str; 2]; SENSORS] = [["below 1", "tilt 1"], ["below 2", "tilt 2"], ["below 3", "tilt 3"]];
 
-/// Decision rule: one more sensor is worth its place if the error falls by at least this fraction of the error without
+/// Decision rule: one more sensor is worthwhile if the error falls by at least this fraction of the error without
 /// that sensor, and the interval of the difference excludes 0.
 const WORTH: f64 = 0.05;
 /// Tolerance of the program's profile and of readings that are computed from the trace, m.
@@ -56,7 +58,7 @@ type Case = [Course; Floor::ALL.len()];
 /// A placement whose settings are searched.
 #[derive(Clone, Debug, PartialEq)]
 struct Method {
-    places: Vec<Place>,
+    mount_points: Vec<MountPoint>,
     kind: Kind,
 }
 
@@ -73,39 +75,47 @@ enum Kind {
 
 impl Method {
     /// All methods: no sensor, the scene's sensor, a sensor on the body at the height of the hips, and one to three
-    /// sensors at all places. Of two mirrored placements, only the first is included.
+    /// sensors at all mount points. Of two mirrored placements, only the first is included.
     fn all() -> Vec<Self> {
-        let method = |kind, places: &[Place]| Self { places: places.to_vec(), kind };
-        let mut all =
-            vec![method(Kind::Free, &[]), method(Kind::Scene, &[SCENES.place]), method(Kind::Hip, &[Place::Body])];
-        let mut shorter: Vec<Vec<Place>> = vec![Vec::new()];
+        let method = |kind, mount_points: &[MountPoint]| Self { mount_points: mount_points.to_vec(), kind };
+        let mut all = vec![
+            method(Kind::Free, &[]),
+            method(Kind::Scene, &[SCENES.mount_point]),
+            method(Kind::Hip, &[MountPoint::Body]),
+        ];
+        let mut shorter: Vec<Vec<MountPoint>> = vec![Vec::new()];
         for _ in 0..SENSORS {
-            let longer = |places: &Vec<Place>| {
-                let rest = Place::ALL.into_iter().filter(|place| places.last().is_none_or(|last| last <= place));
-                rest.map(|place| [&places[..], &[place]].concat()).collect::<Vec<_>>()
+            let longer = |mount_points: &Vec<MountPoint>| {
+                let rest = MountPoint::ALL
+                    .into_iter()
+                    .filter(|mount_point| mount_points.last().is_none_or(|last| last <= mount_point));
+                rest.map(|mount_point| [&mount_points[..], &[mount_point]].concat()).collect::<Vec<_>>()
             };
             shorter = shorter.iter().flat_map(longer).collect();
-            let is_first = |places: &&Vec<Place>| {
-                let mut mirrored: Vec<Place> = places.iter().map(|place| place.mirrored()).collect();
+            let is_first = |mount_points: &&Vec<MountPoint>| {
+                let mut mirrored: Vec<MountPoint> =
+                    mount_points.iter().map(|mount_point| mount_point.mirrored()).collect();
                 mirrored.sort();
-                **places <= mirrored
+                **mount_points <= mirrored
             };
-            all.extend(shorter.iter().filter(is_first).map(|places| method(Kind::Free, places)));
+            all.extend(shorter.iter().filter(is_first).map(|mount_points| method(Kind::Free, mount_points)));
         }
         all
     }
 
     fn name(&self) -> String {
-        match (self.kind, &self.places[..]) {
+        match (self.kind, &self.mount_points[..]) {
             (Kind::Scene, _) => "as in the scene".to_owned(),
             (Kind::Hip, _) => "body at the hips".to_owned(),
             (Kind::Free, []) => "no sensor".to_owned(),
-            (Kind::Free, places) => places.iter().map(|place| place.name()).collect::<Vec<_>>().join(" + "),
+            (Kind::Free, mount_points) => {
+                mount_points.iter().map(|mount_point| mount_point.name()).collect::<Vec<_>>().join(" + ")
+            }
         }
     }
 
     fn is_on_legs(&self) -> bool {
-        !self.places.contains(&Place::Body)
+        !self.mount_points.contains(&MountPoint::Body)
     }
 
     fn searches(&self) -> usize {
@@ -115,10 +125,10 @@ impl Method {
     fn parameters(&self, search: usize) -> Vec<Parameter> {
         let parameter = |name, start, ratio, most| Parameter { name, start, ratio, most, gain: GAIN };
         let mut parameters = Vec::new();
-        for (index, place) in self.places.iter().enumerate() {
+        for (index, mount_point) in self.mount_points.iter().enumerate() {
             let [below, tilt] = NAMES[index];
             if self.kind == Kind::Free {
-                parameters.push(parameter(below, 0.12, 1.5, place.length()));
+                parameters.push(parameter(below, 0.12, 1.5, mount_point.length()));
             }
             if self.kind != Kind::Scene {
                 let start = TILTS[(search + index * (1 + search / TILTS.len())) % TILTS.len()];
@@ -130,10 +140,16 @@ impl Method {
     }
 
     fn sensors(&self, setting: &[f64]) -> Vec<Sensor> {
-        let sensor = |(place, pair): (&Place, &[f64])| Sensor { place: *place, below: pair[0], tilt_deg: pair[1] };
+        let sensor = |(mount_point, pair): (&MountPoint, &[f64])| Sensor {
+            mount_point: *mount_point,
+            below: pair[0],
+            tilt_deg: pair[1],
+        };
         match self.kind {
-            Kind::Free => self.places.iter().zip(setting.chunks(2)).map(sensor).collect(),
-            Kind::Hip => vec![Sensor { place: Place::Body, below: Place::Body.length(), tilt_deg: setting[0] }],
+            Kind::Free => self.mount_points.iter().zip(setting.chunks(2)).map(sensor).collect(),
+            Kind::Hip => {
+                vec![Sensor { mount_point: MountPoint::Body, below: MountPoint::Body.length(), tilt_deg: setting[0] }]
+            }
             Kind::Scene => vec![SCENES],
         }
     }
@@ -145,7 +161,7 @@ impl Method {
 
     /// Searches the setting; `None` without a sensor.
     fn tuned(&self, training: &[Case]) -> anyhow::Result<Option<Tuned>> {
-        if self.places.is_empty() {
+        if self.mount_points.is_empty() {
             return Ok(None);
         }
         let search = Search { cases: training.len(), few: SEARCH.few.min(training.len()), ..SEARCH };
@@ -161,7 +177,7 @@ impl Method {
     /// Setting in words.
     fn words(&self, setting: &[f64]) -> String {
         let sensor = |sensor: &Sensor| {
-            format!("{} {:.0} mm below, {:.0} degrees", sensor.place.name(), 1e3 * sensor.below, sensor.tilt_deg)
+            format!("{} {:.0} mm below, {:.0} degrees", sensor.mount_point.name(), 1e3 * sensor.below, sensor.tilt_deg)
         };
         let mut words: Vec<String> = self.sensors(setting).iter().map(sensor).collect();
         words.extend(setting.last().map(|radius| format!("radius {:.0} mm", 1e3 * radius)));
@@ -223,7 +239,7 @@ impl Results {
             let error = |result: &Judged| result.tuned.as_ref().map_or(0.0, training_error);
             chosen.min_by(|(_, a), (_, b)| error(a).total_cmp(&error(b))).map(|(index, _)| index).context("a placement")
         };
-        let is_free = |method: &Method, count| method.places.len() == count && method.kind == Kind::Free;
+        let is_free = |method: &Method, count| method.mount_points.len() == count && method.kind == Kind::Free;
         let of = |count| best(&|method| is_free(method, count));
         let on_legs = |count| best(&|method| is_free(method, count) && method.is_on_legs());
         Ok(Self {
@@ -239,7 +255,7 @@ impl Results {
     /// The results with at most one sensor, and the best result of each number of sensors.
     fn shown(&self) -> Vec<&Judged> {
         let is_shown = |(index, result): &(usize, &Judged)| {
-            result.method.places.len() < 2 || self.best.contains(index) || self.on_legs.contains(index)
+            result.method.mount_points.len() < 2 || self.best.contains(index) || self.on_legs.contains(index)
         };
         self.all.iter().enumerate().filter(is_shown).map(|(_, result)| result).collect()
     }
@@ -585,7 +601,7 @@ fn number_chart(results: &Results) -> anyhow::Result<Figure> {
 
 fn tilt_chart(all: &[Judged], training: &[Case]) -> anyhow::Result<Figure> {
     let singles: Vec<&Judged> =
-        all.iter().filter(|result| result.method.places.len() == 1 && result.method.kind == Kind::Free).collect();
+        all.iter().filter(|result| result.method.mount_points.len() == 1 && result.method.kind == Kind::Free).collect();
     let tilts: Vec<f64> = (2..=32).map(|step| 5.0 * f64::from(step)).collect();
     let curves = on_two_threads(&singles, |result| {
         let mut setting = result.setting().to_vec();

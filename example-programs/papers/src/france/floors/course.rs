@@ -17,7 +17,7 @@ use sim_format::load_scene;
 use sim_host::files::DiskFiles;
 use sim_host::launch::Options;
 
-use super::placement::{LASER, Place, SCENES, SENSORS, true_distance};
+use super::placement::{LASER, MountPoint, SCENES, SENSORS, true_distance};
 use crate::france::walk::{at_time, leg_points, moments, numbers};
 use crate::run::{Job, Run, Scene, root};
 use crate::trace::{Event, Trace};
@@ -140,8 +140,8 @@ fn steps(blocks: &[(f64, f64, f64)], base: f64) -> String {
 pub struct Instant {
     /// Distance of the body's centre from the start, m.
     pub ahead: f64,
-    /// Poses of the links and the body that can bear sensors, in the order of [`Place::ALL`].
-    pub bearers: [Pose3; Place::ALL.len()],
+    /// Poses of the links and the body that can bear sensors, in the order of [`MountPoint::ALL`].
+    pub bearers: [Pose3; MountPoint::ALL.len()],
     /// Noise of each sensor: standard normal values.
     pub noise: [f64; SENSORS],
 }
@@ -213,14 +213,14 @@ impl Course {
         for (at, (distance, point)) in times.skip(1).zip(lines) {
             let moment = at_time(&moments, at);
             let world_from_robot = Pose3::from_planar(&moment.pose, moment.lift);
-            let bearer = |place: Place| match place.link() {
+            let bearer = |mount_point: MountPoint| match mount_point.link() {
                 Some(link) => world_from_robot.then(&link_pose(&links, &moment.joints, link)),
                 None => world_from_robot,
             };
             let cycle = EventStreams::index(Time((1e6 * at).round() as i64), NOISE_PERIOD);
             let instant = Instant {
                 ahead: moment.pose.position.x - START.x,
-                bearers: Place::ALL.map(bearer),
+                bearers: MountPoint::ALL.map(bearer),
                 noise: noise.each_ref().map(|stream| stream.at(cycle).normal()),
             };
             course.judge_program(&instant, distance, point);
@@ -270,7 +270,7 @@ impl Course {
             let ahead = 0.03 * f64::from(index);
             let position = DVec3::new(START.x + ahead, START.y, height);
             let frame = Pose3 { position, ..Pose3::IDENTITY };
-            Instant { ahead, bearers: [frame; Place::ALL.len()], noise: [1.0; SENSORS] }
+            Instant { ahead, bearers: [frame; MountPoint::ALL.len()], noise: [1.0; SENSORS] }
         };
         course.instants = (0..=(WAY / 0.03) as i32).map(instant).collect();
         course

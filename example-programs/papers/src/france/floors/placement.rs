@@ -18,16 +18,16 @@ pub const SENSORS: usize = 3;
 pub const LASER: Echo = Echo::LASER;
 /// Height of the shoulder above the robot's frame, m: 0.818 of the height of 1.75 m (Drillis and Contini 1966).
 const SHOULDER: f64 = 1.43;
-/// Distance of the body's centre from a place whose height must be known, m: one step of the gait at its speed.
+/// Distance of the body's centre from a position whose height must be known, m: one step of the gait at its speed.
 pub const STEP: f64 = 0.715;
-/// Judged places: first, last, and distance between two, m ahead of the start.
+/// Judged positions: first, last, and distance between two, m ahead of the start.
 pub const JUDGED: (f64, f64, f64) = (1.5, WAY + 0.5, 0.05);
 /// Difference of height that counts as a hazard, m.
 const HAZARD: f64 = 0.05;
 
 /// Link or body that bears a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum MountPoint {
     /// On the right tibia.
     RightTibia,
     /// On the left tibia.
@@ -40,8 +40,8 @@ pub enum Place {
     Body,
 }
 
-impl Place {
-    /// All places.
+impl MountPoint {
+    /// All mount points.
     pub const ALL: [Self; 5] = [Self::RightTibia, Self::LeftTibia, Self::RightThigh, Self::LeftThigh, Self::Body];
 
     /// Name in tables.
@@ -55,7 +55,7 @@ impl Place {
         }
     }
 
-    /// The same place on the other side.
+    /// The same mount point on the other side.
     pub fn mirrored(self) -> Self {
         match self {
             Self::RightTibia => Self::LeftTibia,
@@ -77,7 +77,7 @@ impl Place {
         }
     }
 
-    /// Distance of the place's lower end from its upper end, m: ankle from knee, knee from hip, hip from shoulder.
+    /// Length of the link from its upper to its lower joint, m: ankle from knee, knee from hip, hip from shoulder.
     pub fn length(self) -> f64 {
         if self == Self::Body { SHOULDER - 0.9 } else { 0.43 }
     }
@@ -87,27 +87,27 @@ impl Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
     /// Link or body.
-    pub place: Place,
-    /// Distance below the upper end of the place, m.
+    pub mount_point: MountPoint,
+    /// Distance below the upper joint of the link, m.
     pub below: f64,
     /// Angle between the beam and straight down along the link or the body, degrees; 90 is straight ahead.
     pub tilt_deg: f64,
 }
 
 /// The laser of the scene `walker`: on the right tibia, 5 degrees down.
-pub const SCENES: Sensor = Sensor { place: Place::RightTibia, below: 0.098, tilt_deg: 85.0 };
+pub const SCENES: Sensor = Sensor { mount_point: MountPoint::RightTibia, below: 0.098, tilt_deg: 85.0 };
 
 impl Sensor {
     /// Pose of the sensor in the world.
     pub fn ray(&self, instant: &Instant) -> Pose3 {
-        let (x, top) = match self.place {
-            Place::RightTibia | Place::LeftTibia => (0.05, 0.0),
-            Place::RightThigh | Place::LeftThigh => (0.07, 0.0),
-            Place::Body => (0.12, SHOULDER),
+        let (x, top) = match self.mount_point {
+            MountPoint::RightTibia | MountPoint::LeftTibia => (0.05, 0.0),
+            MountPoint::RightThigh | MountPoint::LeftThigh => (0.07, 0.0),
+            MountPoint::Body => (0.12, SHOULDER),
         };
         let pitch = self.tilt_deg.to_radians() - FRAC_PI_2;
         let mount = Pose3::from_angles(DVec3::new(x, 0.0, top - self.below), 0.0, pitch, 0.0);
-        instant.bearers[self.place as usize].then(&mount)
+        instant.bearers[self.mount_point as usize].then(&mount)
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Condition {
     pub sigma: f64,
     /// Largest incidence and range of the sensor.
     pub echo: Echo,
-    /// Distance of the body's centre from a place whose height must be known, m.
+    /// Distance of the body's centre from a position whose height must be known, m.
     pub lead: f64,
 }
 
@@ -167,20 +167,20 @@ pub fn points(course: &Course, sensors: &[Sensor], condition: &Condition) -> Vec
 pub struct Score {
     /// Root mean square error of the height, m.
     pub rms: f64,
-    /// Number of places that lie higher or lower than the ground under the body by more than [`HAZARD`], and of those
+    /// Number of judged positions that are higher or lower than the ground under the body by more than [`HAZARD`], and of those
     /// found.
     pub hazards: (usize, usize),
-    /// Number of the other places, and of those taken for hazards.
+    /// Number of the other positions, and of those classified as hazards.
     pub safe: (usize, usize),
 }
 
-/// Positions of the judged places, m ahead of the start.
-fn places() -> impl Iterator<Item = f64> {
+/// Positions of the judged positions, m ahead of the start.
+fn judged_positions() -> impl Iterator<Item = f64> {
     let (first, last, apart) = JUDGED;
     (0..=((last - first) / apart).round() as usize).map(move |index| first + apart * index as f64)
 }
 
-/// The height of each judged place as the profile gives it when the body is `lead` before it: the mean of the points
+/// The height of each judged position as the profile gives it when the body is `lead` before it: the mean of the points
 /// within `radius`, else the height of the nearest point; `None` if no point is nearer than the body.
 pub fn known<'a>(
     course: &'a Course,
@@ -188,7 +188,7 @@ pub fn known<'a>(
     radius: f64,
     lead: f64,
 ) -> impl Iterator<Item = (f64, Option<f64>)> + 'a {
-    places().map(move |x| {
+    judged_positions().map(move |x| {
         let readings = course.instants.partition_point(|instant| instant.ahead <= x - lead);
         let points = &points[..points.partition_point(|point| point.reading < readings)];
         let (mut sum, mut count) = (0.0, 0);
@@ -234,7 +234,7 @@ mod tests {
 
     const EXACT: Condition = Condition { sigma: 0.0, ..SEARCHED };
     /// A sensor of the body that looks down by 60 degrees.
-    const DOWN: Sensor = Sensor { place: Place::Body, below: 0.2, tilt_deg: 30.0 };
+    const DOWN: Sensor = Sensor { mount_point: MountPoint::Body, below: 0.2, tilt_deg: 30.0 };
 
     #[test]
     fn points_of_a_known_pose_lie_on_the_floor() {
@@ -260,7 +260,7 @@ mod tests {
             [&[][..], &[up]].map(|sensors| score(&course, &points(&course, sensors, &EXACT), 0.1, STEP));
         assert_eq!(blind, with_up);
         let squares: Vec<f64> =
-            places().map(|x| (course.height(x, 0.0) - course.height(x - STEP, 0.0)).powi(2)).collect();
+            judged_positions().map(|x| (course.height(x, 0.0) - course.height(x - STEP, 0.0)).powi(2)).collect();
         let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         assert!((blind.rms - rms).abs() < 1e-9, "{} {rms}", blind.rms);
         assert_eq!((blind.hazards.1, blind.safe.1), (0, 0));
