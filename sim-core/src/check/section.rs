@@ -174,9 +174,9 @@ const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// The value and slope in the midpoint of an interval and the bound of the second derivative may prove that the interval
-/// contains no zero, or that the function is monotonic in the interval. All other intervals are halved. The search
-/// misses no zero, except pairs of zeros closer than a microsecond.
+/// The value and slope at the midpoint of an interval and the bound of the second derivative may prove that the
+/// interval contains no zero, or that the function is monotonic in the interval. All other intervals are halved. The
+/// search misses no zero, except pairs of zeros closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     if half <= 0.0 {

@@ -46,11 +46,11 @@ pub struct Sonar {
 /// Source: France et al. 1999, Figures 4 and 5 (the pattern); a single Gaussian ring: our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideLobes {
-    /// Angle between the line of sight and the middle of the ring, rad.
+    /// Angle between the line of sight and the maximum of the ring, rad.
     pub angle: f64,
-    /// Half width of the ring, where the gain has fallen by 6 dB from the middle, rad.
+    /// Half width of the ring, where the gain has fallen by 6 dB from its maximum, rad.
     pub half_width: f64,
-    /// Gain in the middle of the ring, relative to the main lobe.
+    /// Maximum gain of the ring, relative to the main lobe.
     pub gain: f64,
 }
 
@@ -205,7 +205,7 @@ impl EchoSearch<'_> {
         }
     }
 
-    /// Tries rays in the horizontal plane through the sensor, alternately on both sides, from the middle outwards.
+    /// Tries rays in the horizontal plane through the sensor, alternately on both sides, from the line of sight outwards.
     fn try_horizontal_fan(&mut self) {
         let aperture = self.sonar.aperture();
         let forward = self.world_from_sensor.forward();

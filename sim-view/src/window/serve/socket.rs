@@ -85,8 +85,8 @@ async fn close(mut socket: WebSocket, reason: CloseReason) {
     let closing_handshake = async {
         let frame = CloseFrame { code: reason.code, reason: text.into() };
         if socket.send(Frame::Close(Some(frame))).await.is_ok() {
-            // Reads the remaining messages of the page: otherwise the system would drop the close frame together with the
-            // connection.
+            // Reads the remaining messages of the page: otherwise the system would drop the close frame together with
+            // the connection.
             while let Some(Ok(_)) = socket.recv().await {}
         }
     };

@@ -167,8 +167,8 @@ pub fn points(course: &Course, sensors: &[Sensor], condition: &Condition) -> Vec
 pub struct Score {
     /// Root mean square error of the height, m.
     pub rms: f64,
-    /// Number of judged positions that are higher or lower than the ground under the body by more than [`HAZARD`], and of those
-    /// found.
+    /// Number of judged positions that are higher or lower than the ground under the body by more than [`HAZARD`], and
+    /// of those found.
     pub hazards: (usize, usize),
     /// Number of the other positions, and of those classified as hazards.
     pub safe: (usize, usize),
