@@ -109,7 +109,7 @@ fn head_on_collision_stops_both_robots() {
     scene.twist(1, 0.1, 0.0);
     scene.run(5.0);
     assert!(is_skin(scene.gap(0, 1)), "gap {}", scene.gap(0, 1));
-    assert!((scene.position(0).x - 0.3 / 0.4 * 0.8).abs() < 2e-6, "each has gone its share");
+    assert!((scene.position(0).x - 0.3 / 0.4 * 0.8).abs() < 2e-6, "the distances have the ratio of the speeds");
     assert!(scene.is_stalled(0) && scene.is_stalled(1));
     assert_eq!(scene.contacts.len(), 2, "{:?}", scene.contacts);
     assert!(scene.contacts.iter().all(|contact| contact.time == Time(1_999_998)), "{:?}", scene.contacts);
@@ -127,7 +127,7 @@ fn robot_at_rest_blocks_another_and_does_not_move() {
     assert!(scene.is_stalled(0) && !scene.is_stalled(1));
     let now = scene.world.slot_start();
     assert_eq!((scene.motions[0].contacts(now), scene.motions[1].contacts(now)), (1, 0));
-    // Another push is no new contact; the robot can back off.
+    // Pushing again is not a new contact. The robot can drive back.
     scene.twist(0, 0.2, 0.0);
     scene.run(1.0);
     let now = scene.world.slot_start();
@@ -179,7 +179,7 @@ fn pursuing_robots_never_overlap() {
         scene.advance();
         assert!(scene.gap(0, 1) > 0.0, "gap {}", scene.gap(0, 1));
     }
-    assert!(scene.gap(0, 1) < 0.5 * 0.05, "the follower stays at the heels");
+    assert!(scene.gap(0, 1) < 0.5 * 0.05, "the follower stays close behind");
     assert!((scene.position(1).x - 2.5).abs() < 1e-9, "the one in front is not held up");
 }
 
@@ -192,7 +192,7 @@ fn commands_after_a_contact_start_at_the_contact_position() {
     scene.command(0, Time::from_millis(400), Command::Twist(Twist::new(2.0, 0.1)));
     scene.command(0, Time::from_millis(500), Command::Twist(Twist::new(-0.5, 0.0)));
     let pose = scene.motions[0].pose(Time::from_millis(390));
-    assert!(pose.position.x > 0.3, "the program has seen itself drive through: {pose:?}");
+    assert!(pose.position.x > 0.3, "before the slot's end the pose ignores the contact: {pose:?}");
     scene.advance();
     let truth = 0.3 - SKIN - 0.5 * 0.5;
     assert!((scene.position(0).x - truth).abs() < 1e-8, "{:?}", scene.position(0));
@@ -235,7 +235,7 @@ fn fast_bodies_do_not_tunnel_in_a_long_slot() {
     );
     scene.twist(0, 100.0, 0.0);
     scene.twist(1, 100.0, 0.0);
-    // The third robot passes the place where the other two have collided.
+    // The third robot passes the point at which the other two have collided.
     scene.twist(2, 100.0, 0.0);
     scene.advance();
     assert!(is_skin(scene.gap(0, 1)), "{}", scene.gap(0, 1));
@@ -319,10 +319,10 @@ fn ray_from_inside_another_body_has_distance_zero() {
 
 #[test]
 fn robots_with_wheel_lag_block_each_other_and_are_released() {
-    let lame = Model { wheel_lag: 0.05, ..model() };
+    let lagging = Model { wheel_lag: 0.05, ..model() };
     for slot in [Time::from_millis(50), Time(7_000)] {
         let poses = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)];
-        let mut scene = Scene::with(&poses, vec![], lame.clone(), slot);
+        let mut scene = Scene::with(&poses, vec![], lagging.clone(), slot);
         scene.twist(0, 0.5, 0.0);
         scene.run(2.0);
         assert!(is_skin(scene.gap(0, 1)), "gap {}", scene.gap(0, 1));

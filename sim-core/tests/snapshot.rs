@@ -21,7 +21,7 @@ use sim_core::{
 };
 
 /// Half of the side length of the room, m.
-const ROOM: f64 = 1.2;
+const HALF_SIDE: f64 = 1.2;
 
 /// A pose in the room: x and y, m, and the heading, rad.
 type Start = (f64, f64, f64);
@@ -178,7 +178,9 @@ struct Simulation {
 
 impl Simulation {
     fn new(script: Script) -> Self {
-        let corners = [(-ROOM, -ROOM), (ROOM, -ROOM), (ROOM, ROOM), (-ROOM, ROOM)].map(DVec2::from);
+        let corners =
+            [(-HALF_SIDE, -HALF_SIDE), (HALF_SIDE, -HALF_SIDE), (HALF_SIDE, HALF_SIDE), (-HALF_SIDE, HALF_SIDE)]
+                .map(DVec2::from);
         let mut segments: Vec<_> = (0..4).map(|side| Segment::new(corners[side], corners[(side + 1) % 4])).collect();
         segments.push(Segment::new(DVec2::new(-0.2, 0.3), DVec2::new(0.4, 0.5)));
         let walls = Arc::new(Walls::new(segments).with_heights(vec![0.5, 0.5, 0.5, 0.5, 0.2]));
@@ -212,15 +214,16 @@ impl Simulation {
         let script = Arc::clone(&self.script);
         let mut entries: Vec<&Entry> = script.entries.iter().filter(|(slot, ..)| *slot == self.slot).collect();
         entries.sort_by(|one, other| one.2.total_cmp(&other.2));
-        for (_, index, share, action) in entries {
-            let at = start + Time((share * script.slot.0 as f64) as i64);
+        for (_, index, fraction, action) in entries {
+            let at = start + Time((fraction * script.slot.0 as f64) as i64);
             observations.push(self.act(*index, at, action));
         }
         self.look(&mut observations);
         let end = self.world.slot_end();
         self.exchange(end, &mut observations);
-        let is_there = |motion: &&mut Motion| self.world.is_robot_present(motion.id(), start);
-        let mut active: Vec<_> = self.motions.iter_mut().filter(is_there).filter(|motion| motion.is_active()).collect();
+        let is_present = |motion: &&mut Motion| self.world.is_robot_present(motion.id(), start);
+        let mut active: Vec<_> =
+            self.motions.iter_mut().filter(is_present).filter(|motion| motion.is_active()).collect();
         observations.extend(self.world.advance(&mut active).iter().map(|contact| format!("{contact:?}")));
         for motion in &mut self.motions {
             observations.push(format!("{:?} {:?}", motion.state(end), motion.stance(end)));
@@ -237,7 +240,7 @@ impl Simulation {
     fn act(&mut self, index: usize, at: Time, action: &Action) -> String {
         let start = self.world.slot_start();
         let robot = RobotId::from_index(index % self.motions.len());
-        let is_there = self.world.is_robot_present(robot, start);
+        let is_present = self.world.is_robot_present(robot, start);
         let object = self.world.object_count().checked_sub(1).map(|last| ObjectId::from_index(index % (last + 1)));
         let object = object.filter(|object| self.world.is_object_present(*object, start));
         let motion = &mut self.motions[robot.index()];
@@ -247,7 +250,7 @@ impl Simulation {
             Action::Halt => Command::Halt,
             _ => return self.intervene(robot, object, at, action),
         };
-        if !is_there {
+        if !is_present {
             return String::new();
         }
         let touching = self.world.touching(motion, at);
@@ -255,10 +258,10 @@ impl Simulation {
     }
 
     fn intervene(&mut self, robot: RobotId, object: Option<ObjectId>, at: Time, action: &Action) -> String {
-        let is_there = self.world.is_robot_present(robot, self.world.slot_start());
+        let is_present = self.world.is_robot_present(robot, self.world.slot_start());
         let station = &mut self.stations[robot.index()];
         match (action, object) {
-            (Action::Send(is_to_all), _) if is_there && station.member().is_some() => {
+            (Action::Send(is_to_all), _) if is_present && station.member().is_some() => {
                 let position = self.world.robot_pose(robot, at).position;
                 let to = if *is_to_all { Address::All } else { Address::One(10) };
                 format!(
@@ -278,7 +281,7 @@ impl Simulation {
             (Action::PlaceObject(start), Some(object)) => {
                 format!("{:?}", self.world.place_object(object, pose(*start)))
             }
-            (Action::PlaceRobot(start), _) if is_there => {
+            (Action::PlaceRobot(start), _) if is_present => {
                 format!("{:?}", self.motions[robot.index()].place(at, pose(*start)))
             }
             (Action::AddObject(start), _) => {
@@ -373,11 +376,11 @@ proptest! {
         original.run(at);
         let (mut copy, mut kept) = (original.clone(), original.clone());
         // A clone that follows another script.
-        let mut astray = original.clone();
-        astray.script = Arc::new(Script { entries: other.entries, ..Script::clone(&astray.script) });
+        let mut diverging = original.clone();
+        diverging.script = Arc::new(Script { entries: other.entries, ..Script::clone(&diverging.script) });
         for expected in &alone[at..] {
             prop_assert_eq!(&copy.step(), expected);
-            astray.step();
+            diverging.step();
             prop_assert_eq!(&original.step(), expected);
         }
         prop_assert_eq!(&kept.run(SLOTS - at), &alone[at..]);
