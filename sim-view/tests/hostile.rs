@@ -108,7 +108,7 @@ fn requests() {
         ("/%2e%2e/Cargo.toml", "404 Not Found", "there is no such file"),
         ("/files/run.jsonl", "200 OK", "{}\n"),
         ("/files/scene.toml", "503 Service Unavailable", "the run is over"),
-        ("/files/panics", "500 Internal Server Error", "it could not be made"),
+        ("/files/panics", "500 Internal Server Error", "it could not be generated"),
         ("/files/other", "404 Not Found", "there is no such file"),
         ("/recording.json", "404 Not Found", "there is no such file"),
     ] {

@@ -238,7 +238,7 @@ fn classic_robots_take_the_starts_of_maze_and_world_in_order() {
 }
 
 #[test]
-fn walls_have_the_faces_that_their_thickness_says() {
+fn robots_touch_thick_walls_at_half_their_thickness() {
     let scratch = scratch();
     let walls = "2000 500 2000 1500 100 200\n2000 2000 2000 2800 40 200 255 0 0\n";
     scratch.write("thick.wld", &(ROOM.to_owned() + walls));
@@ -545,7 +545,7 @@ fn file_options_and_dialect_set_the_cell_size_of_a_maze() {
     assert_eq!(x_of("a.sim", &["--maze-cell", "1000"]), 500.0);
     for args in [&["--dialect", "vr2023"], &["--maze-cell", "360"]] {
         let ran = scratch.eyesim(&[&["run", "a.sim", "--strict"][..], args].concat());
-        assert_eq!(ran.code, Some(0), "said, so without a warning: {ran:#?}");
+        assert_eq!(ran.code, Some(0), "the option sets the size, so there is no warning: {ran:#?}");
         let checked = scratch.eyesim(&[&["check", "a.sim", "m.maz", "--strict"][..], args].concat());
         assert!(!checked.stdout.contains("maz-cell-first"), "{checked:#?}");
     }
@@ -585,7 +585,7 @@ fn a_robot_that_leaves_through_a_gap_is_reported_with_its_instant() {
             |slot: &str| number(&scratch.report("a.sim", &["--slot", slot], 0)["robots"][0], "left_floor_s");
         // The robot drives at 100 mm/s; it starts at the end of the call.
         assert!((left_floor_s("50") - distance / 100.0).abs() < 0.01, "{}", left_floor_s("50"));
-        assert_eq!(left_floor_s("50"), left_floor_s("1"), "whatever the slots");
+        assert_eq!(left_floor_s("50"), left_floor_s("1"), "for any slot length");
         let ran = scratch.eyesim(&["run", "a.sim"]);
         assert_eq!(ran.stderr.matches("has left the floor at (").count(), 1, "{ran:#?}");
     }

@@ -57,7 +57,7 @@ fn broken(page: &Path, link: &str) -> Option<String> {
     let (file, fragment) = link.split_once('#').unwrap_or((link, ""));
     let target = if file.is_empty() { page.to_owned() } else { page.parent().expect("a folder").join(file) };
     if !target.exists() {
-        return Some(format!("{}: `{link}` leads nowhere", page.display()));
+        return Some(format!("{}: the target of `{link}` does not exist", page.display()));
     }
     if fragment.is_empty() {
         return None;
@@ -65,7 +65,7 @@ fn broken(page: &Path, link: &str) -> Option<String> {
     let text = prose(&fs::read_to_string(&target).expect("a page"));
     let found =
         text.lines().filter(|line| line.starts_with('#')).any(|line| anchor(line.trim_start_matches('#')) == fragment);
-    (!found).then(|| format!("{}: `{link}` names no heading", page.display()))
+    (!found).then(|| format!("{}: the page has no heading for `{link}`", page.display()))
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn links_lead_to_files_of_the_repository() {
 }
 
 #[test]
-fn a_broken_link_is_found() {
+fn broken_links_are_detected() {
     let page = root().join("README.md");
     assert_eq!(links("see [a](docs/a.md), ![b](b.svg)"), ["docs/a.md", "b.svg"]);
     assert!(broken(&page, "docs/no-such-page.md").is_some());

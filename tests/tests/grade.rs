@@ -128,12 +128,12 @@ fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, V
 }
 
 /// Folders for grading a class: the lab, a user's home, a cache and a temporary folder, all owned by one user.
-struct Office {
+struct GradingFolders {
     scratch: Scratch,
     user: Option<u32>,
 }
 
-impl Office {
+impl GradingFolders {
     fn new(user: Option<u32>) -> Self {
         let scratch = lab();
         std::fs::set_permissions(scratch.path(), std::fs::Permissions::from_mode(0o755)).expect("a mode");
@@ -177,19 +177,19 @@ fn a_class_has_a_row_for_every_student_for_any_submission() {
     }
     let is_all = std::env::var_os(ALL).is_some();
     for user in users().into_iter().take(if is_all { 2 } else { 1 }) {
-        grade_class(&Office::new(user), is_all);
+        grade_class(&GradingFolders::new(user), is_all);
     }
 }
 
 /// Grades the class twice, then in other orders, on one worker and two, and then single submissions: all of them if
 /// `is_all`, otherwise some.
-fn grade_class(office: &Office, is_all: bool) {
-    let scratch = &office.scratch;
+fn grade_class(folders: &GradingFolders, is_all: bool) {
+    let scratch = &folders.scratch;
     let cases = class(&scratch.path().canonicalize().expect("a path"));
     let all: Vec<&Case> = cases.iter().collect();
     assert!(all.len() >= 100, "{}", all.len());
     write_class(scratch, "in", &all, &|index| index);
-    let ran = office.grade(&["--submissions", "in", "-o", "out", "-j", "2"]);
+    let ran = folders.grade(&["--submissions", "in", "-o", "out", "-j", "2"]);
     assert!(ran.stdout.contains(&format!("{} submissions: ", all.len())), "{}", ran.stdout);
     assert!(!ran.stdout.contains('\u{1b}') && !ran.stderr.contains('\u{1b}'), "{ran:#?}");
     let found = verdicts(scratch, "out");
@@ -211,7 +211,7 @@ fn grade_class(office: &Office, is_all: bool) {
     assert_eq!(found.len(), cases.len());
     pages_are_harmless(&scratch.path().join("out"));
     // The second grading neither builds nor runs anything.
-    let again = office.grade(&["--submissions", "in", "-o", "out"]);
+    let again = folders.grade(&["--submissions", "in", "-o", "out"]);
     assert!(again.stdout.starts_with(&format!("{0} of {0} submissions are unchanged", all.len())), "{}", again.stdout);
     assert_eq!(verdicts(scratch, "out"), found);
     let some: Vec<&Case> = cases.iter().step_by(if is_all { 1 } else { 7 }).collect();
@@ -221,7 +221,7 @@ fn grade_class(office: &Office, is_all: bool) {
     for (jobs, order) in &orders[..if is_all { 2 } else { 1 }] {
         let (folder, output) = (format!("in{jobs}"), format!("out{jobs}"));
         write_class(scratch, &folder, &some, order);
-        office.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
+        folders.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
         for (name, verdict) in verdicts(scratch, &output) {
             // If a submission exceeds two limits, either may be reported.
             if cases.iter().any(|case| case.name == name && case.expected == ("failed", "")) {
@@ -230,13 +230,13 @@ fn grade_class(office: &Office, is_all: bool) {
             }
             assert_eq!(found.get(&name), Some(&verdict), "{name}");
         }
-        println!("{count} submissions as {:?} on {jobs} workers: the same rows", office.user);
+        println!("{count} submissions as {:?} on {jobs} workers: the same rows", folders.user);
     }
     let entries = std::fs::read_dir(scratch.path().join("in")).expect("a folder").flatten();
     let names: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     for index in (0..cases.len()).step_by(if is_all { 1 } else { 17 }) {
         let Some(name) = names.iter().find(|name| name.starts_with(&format!("{index:03} "))) else { panic!("{index}") };
-        office.grade(&["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
+        folders.grade(&["--single", "--submissions", &format!("in/{name}"), "--results", "alone/results.json"]);
         let alone = result(&scratch.path().join("alone"), &format!("{index:03} "));
         let known = found.values().filter(|(_, results)| *results == alone).count();
         assert!(known > 0, "{name}: {alone:#}");

@@ -268,7 +268,7 @@ fn scans_turn_with_the_robot() {
 }
 
 /// Writes a scene with two robots with programs, one without, a can and a stone.
-fn company(program: &str, second: &str) -> Scratch {
+fn scene_with_others(program: &str, second: &str) -> Scratch {
     let lines = "object stone.esObj\nS4 1000 1000 90 mine.c\nS4 3000 1000 0 second.c\nLabBot 3000 3000 180\n\
                  stone 500 3500 45\ncan 2000 2000 0\n";
     let scratch = scene(ROOM, lines, program);
@@ -289,7 +289,7 @@ fn objects_are_numbered_after_the_robots_in_robios7() {
                    pose(get_object, 4, 500, 3500, 45); pose(get_object, 5, 2000, 2000, 0);\n    SIMGetRobot(4, &x, &y, NULL, &phi); \
                    SIMGetObject(3, &x, &y, &phi); SIMGetObject(6, &x, &y, NULL, &phi); SIMGetRobot(-1, &x, NULL, NULL, NULL); IS(x, 7); IS(y, 7); IS(phi, 7);\n    \
                    SIMGetPose(&x, &y, &phi); IS(x, 1000); IS(phi, 90); SIMSetObject(4, 1, 1, 0, 0); rest(); pose(get_object, 4, 500, 3500, 45); return 0;\n}\n";
-    let ran = company(program, IDLE).eyesim(&["run", "scene.sim"]);
+    let ran = scene_with_others(program, IDLE).eyesim(&["run", "scene.sim"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     assert!(ran.stderr.contains("there is no robot 4, accepted: 0 for the robot itself, 1 to 3"), "{ran:#?}");
     assert!(
@@ -311,7 +311,7 @@ fn programs_place_robots_and_objects() {
     // The second robot waits for the end of a drive. The drive ends when the robot is moved.
     let second = "int main(void)\n{\n    int x, y, phi;\n    VWTurn(30000, 1); VWWait(); SIMGetRobot(0, &x, &y, NULL, &phi); IS(x, 3500); IS(phi, 180); IS(VWDone(), 1); \
                   return 0;\n}\n";
-    let scratch = company(program, second);
+    let scratch = scene_with_others(program, second);
     let (report, trace) = run(&scratch);
     assert_eq!(number(&report["robots"][2], "pose.x_m"), 2.5);
     assert!(number(&report, "sim_time_s") < 20.0, "nobody waits for a drive that is over");
@@ -331,7 +331,7 @@ fn of_simultaneous_placements_that_of_the_higher_robot_number_takes_effect() {
             "int main(void)\n{{\n    for (int i = 0; i < 40; i++) {{ SIMSetRobot(3, 1000 + 20 * i, {y}, 0, i); SIMSetObject(5, 2000, {y}, 0, 0); }}\n    rest(); return 0;\n}}\n"
         )
     };
-    let scratch = company(&program(2500), &program(3500));
+    let scratch = scene_with_others(&program(2500), &program(3500));
     let digest = |threads: &str| {
         scratch.report("scene.sim", &["--threads", threads], 0)["digest"].as_str().expect("a digest").to_owned()
     };

@@ -49,7 +49,7 @@ fn ctrl_c_ends_the_run_with_table_report_and_trace() {
         let scratch = scene(source);
         let ran = interrupted(&scratch, args, signal);
         assert_eq!(ran.code, Some(130), "{source}: {ran:#?}");
-        assert!(ran.stdout.contains("digest"), "{source}: the table is there: {ran:#?}");
+        assert!(ran.stdout.contains("digest"), "{source}: the table is printed: {ran:#?}");
         assert!(scratch.read("r.json").contains("\"outcome\""), "{source}");
         assert_eq!(scratch.trace("t.jsonl").last().expect("lines")["event"], "end", "{source}");
     }
@@ -152,7 +152,7 @@ fn a_closed_output_pipe_is_not_an_error() {
 }
 
 #[test]
-fn full_standard_streams_lose_no_file() {
+fn output_files_are_written_even_if_standard_streams_are_full() {
     let scratch = scene("OSWait(100); return 0;");
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
     let outputs = ["--report", "r.json", "--plot", "p.svg"];
@@ -168,7 +168,7 @@ fn full_standard_streams_lose_no_file() {
 }
 
 #[test]
-fn the_working_folder_is_the_programs_own() {
+fn a_program_can_change_its_working_folder() {
     let scratch = scene("chdir(\"/\"); OSWait(100); return 0;");
     let source = scratch.read("prog.c");
     scratch.write("prog.c", &format!("#include <unistd.h>\n{source}"));

@@ -39,7 +39,7 @@ fn main(robot: &Robot) -> Result {
         link.serve(robot, 100.millis(), &mut map)?;
         let walls = Walls { left: is_near(&left), right: is_near(&right) };
         map[usize::from(lane)][usize::from(column)] = Some(walls);
-        link.tell_all(lane, column, walls);
+        link.queue_report(lane, column, walls);
         show(robot, lane, &map)?;
         if column + 1 < COLUMNS {
             drive.straight(CELL, 0.2.metres_per_second())?;
@@ -48,7 +48,7 @@ fn main(robot: &Robot) -> Result {
             }
         }
     }
-    while link.is_telling() || map.as_flattened().contains(&None) {
+    while link.is_unacknowledged() || map.as_flattened().contains(&None) {
         link.serve(robot, 50.millis(), &mut map)?;
         show(robot, lane, &map)?;
     }

@@ -81,13 +81,13 @@ impl Link {
     }
 
     /// Queues a report for every other robot.
-    pub fn tell_all(&mut self, lane: u8, column: u8, walls: Walls) {
+    pub fn queue_report(&mut self, lane: u8, column: u8, walls: Walls) {
         let report = Report { kind: PacketKind::Found, lane, column, walls };
         self.queues.values_mut().for_each(|queue| queue.reports.push_back(report));
     }
 
     /// Returns true while an acknowledgement is missing.
-    pub fn is_telling(&self) -> bool {
+    pub fn is_unacknowledged(&self) -> bool {
         self.queues.values().any(|queue| !queue.reports.is_empty())
     }
 
@@ -96,7 +96,7 @@ impl Link {
         self.send_due(robot)?;
         let end = robot.now() + span;
         while let Some(message) = self.radio.receive_within(end.saturating_sub(robot.now()))? {
-            self.hear(&message, map)?;
+            self.handle(&message, map)?;
             self.send_due(robot)?;
         }
         Ok(())
@@ -105,7 +105,7 @@ impl Link {
     /// Answers until no message has arrived for the time `span`.
     pub fn serve_until_silent(&mut self, robot: &Robot, span: Duration, map: &mut Map) -> Result {
         while let Some(message) = self.radio.receive_within(span)? {
-            self.hear(&message, map)?;
+            self.handle(&message, map)?;
             self.send_due(robot)?;
         }
         Ok(())
@@ -132,7 +132,7 @@ impl Link {
         Ok(())
     }
 
-    fn hear(&mut self, message: &Message, map: &mut Map) -> Result {
+    fn handle(&mut self, message: &Message, map: &mut Map) -> Result {
         let report = match self.radio.decode::<Packet>(message) {
             Ok(packet) if packet.checksum == packet.report.checksum() => packet.report,
             // Garbled: it will be repeated.

@@ -40,7 +40,7 @@ pub struct CcArgs {
 /// If a source is missing or refused, there is no compiler, or the library cannot be written.
 pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
-    interrupt::of_process().context("no handlers of signals")?;
+    interrupt::of_process().context("cannot install signal handlers")?;
     let cache = Cache::of_user().context("no folder to build in")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let hint = GenerationHint { api: args.api, dialect: None };

@@ -128,7 +128,7 @@ fn diff_traces(args: &DiffArgs) -> anyhow::Result<bool> {
         .map(|only| if only.is_empty() { "all kinds of events".to_owned() } else { format!("`{only}`") });
     ensure!(
         only[0] == only[1],
-        "the traces hold different events (--trace-only): {} in A, {} in B: compare two that hold the same",
+        "the traces contain different kinds of events (--trace-only): {} in A, {} in B: compare two with the same kinds",
         kinds[0],
         kinds[1]
     );

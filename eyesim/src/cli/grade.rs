@@ -132,7 +132,7 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     let path = unpacked.as_ref().map_or_else(|| args.suite.clone(), Unpacked::main);
     let suite = Suite::open(&path, Vec::new());
     report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let may_run_checks = unpacked.is_none() || args.allow_execute;
     let sandbox = parse_sandbox(&args.sandbox).map_err(anyhow::Error::msg).context("--sandbox")?;
     let level = sandbox.level();

@@ -152,7 +152,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         scenery: &scenery.get(),
         robots,
         objects,
-        workshop: AddableTypes::default(),
+        addable_types: AddableTypes::default(),
     };
     Ok(recording(TraceReader::open(trace)?, input.scene(), &spec, remarks)?)
 }
@@ -191,7 +191,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     }
     let mut script = script_of(&recorded);
     let comparison = Arc::new(Mutex::new(Comparison::new(&recorded)));
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&comparison))];
     let observers = Observers { sinks, interrupt, ..Observers::default() };
     let mut running = ConsoleRun::start(ready, &run, observers, true)?;
@@ -201,7 +201,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
         say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
     }
     if let EndReason::Record(error) = &finished.ended.end {
-        bail!("the run cannot go on: {error}");
+        bail!("the run cannot continue: {error}");
     }
     let comparison = comparison.lock();
     Ok(match (&comparison.divergence, recorded.end) {
@@ -271,8 +271,8 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     }
     if !recorded.header.only.is_empty() {
         remarks.push(format!(
-            "the trace holds only what `--trace-only {}` has left: the digests of its slots tell in which slot two runs diverge, not what \
-             differs, and the page and `diff` show nothing else; for more, record it without --trace-only",
+            "the trace has only the events that `--trace-only {}` selected: the digests of its slots show in which slot two runs diverge, not what \
+             differs, and the page and `diff` show only these events; for all events, record the run without --trace-only",
             recorded.header.only.join(",")
         ));
     }
@@ -318,10 +318,10 @@ impl std::fmt::Display for Divergence {
                 "the runs diverge in the slot that ends at {end}: its digest is {expected} in the trace, {found} in this run"
             ),
             Self::Only { end, is_in_trace: true } => {
-                write!(f, "the runs diverge in the slot that ends at {end}: in this run nothing happens in it")
+                write!(f, "the runs diverge in the slot that ends at {end}: this run has no event in it")
             }
             Self::Only { end, is_in_trace: false } => {
-                write!(f, "the runs diverge in the slot that ends at {end}: in the trace nothing happens in it")
+                write!(f, "the runs diverge in the slot that ends at {end}: the trace has no event in it")
             }
             Self::End { expected, found } => {
                 write!(f, "the runs diverge at their ends: the trace ends at {expected}, this run at {found}")
@@ -426,10 +426,10 @@ mod tests {
         let description = |slots: &[(i64, usize)], end| divergence(true, slots, end).expect("the runs differ");
         assert!(description(&[(50, 2), (100, 1)], 100).contains("ends at 0.050"), "{}", description(&[(50, 2)], 100));
         assert!(description(&[(50, 0), (100, 2)], 100).contains("0303"));
-        assert!(description(&[(100, 1)], 100).ends_with("in this run nothing happens in it"));
-        assert!(description(&[(50, 0)], 100).ends_with("in this run nothing happens in it"));
-        assert!(description(&[(25, 0), (50, 0)], 100).ends_with("in the trace nothing happens in it"));
-        assert!(description(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("in the trace nothing happens in it"));
+        assert!(description(&[(100, 1)], 100).ends_with("this run has no event in it"));
+        assert!(description(&[(50, 0)], 100).ends_with("this run has no event in it"));
+        assert!(description(&[(25, 0), (50, 0)], 100).ends_with("the trace has no event in it"));
+        assert!(description(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("the trace has no event in it"));
         assert!(description(&[(50, 0), (100, 1)], 150).starts_with("the runs diverge at their ends"));
     }
 

@@ -340,7 +340,7 @@ pub fn carry_out(
         ready => ready?,
     };
     let mut script = console::script(args)?;
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let subreaper = Subreaper::start();
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);

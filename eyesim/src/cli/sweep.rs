@@ -161,7 +161,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let (suite, cases) = open(&args.suite)?;
     let indices: Vec<usize> = (0..cases.len()).filter(|&case| args.shard.contains(case)).collect();
     let (file, lines) = ShardFile::open(&args.output, args.shard).context("-o")?;
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let shard_cases: Vec<&Case> = indices.iter().map(|&index| &cases[index]).collect();
     let mut preparation = prepare(&suite, &shard_cases, keep_policy(args)?, &interrupt)?;
     let mut outcomes = finished_cases(&lines, args.shard, (&suite, &cases[..]), &mut preparation.session)?;
@@ -363,7 +363,7 @@ fn json_lines(rows: &[Row]) -> anyhow::Result<Vec<u8>> {
 
 fn plan(path: &Path) -> anyhow::Result<ExitCode> {
     let (suite, cases) = open(path)?;
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let mut preparation = prepare(&suite, &cases.iter().collect::<Vec<_>>(), Keep::None, &interrupt)?;
     for case in &cases {
         if interrupt.is_set() {
@@ -377,7 +377,7 @@ fn plan(path: &Path) -> anyhow::Result<ExitCode> {
 
 fn case(path: &Path, key: &str) -> anyhow::Result<ExitCode> {
     let (suite, cases) = open(path)?;
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     let session = Session::new(builder(true, None)?, interrupt.clone());
     let reads_keys = key == "-";
     // The program of a single case is built when it runs.

@@ -199,7 +199,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     for (run, selected) in runs.iter_mut().zip(selected) {
         run.selected = selected;
     }
-    let interrupt = interrupt::of_process().context("no handlers of signals")?;
+    let interrupt = interrupt::of_process().context("cannot install signal handlers")?;
     for run in runs.iter_mut().filter(|run| !run.selected.is_empty()) {
         let SuiteRun { suite, cases, selected, results, .. } = run;
         let session = Session::new(builder(args.quiet, args.sandbox.clone())?, interrupt.clone());

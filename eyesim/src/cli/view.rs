@@ -123,7 +123,7 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
     let session = Arc::new(Session {
         window: Arc::clone(&window),
         control: Arc::clone(&control),
-        interrupt: interrupt::of_process().context("no handlers of signals")?,
+        interrupt: interrupt::of_process().context("cannot install signal handlers")?,
         args: Mutex::new(args.run.clone()),
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),

@@ -35,7 +35,7 @@ pub struct SceneInput<'a> {
     /// The movable objects that are in the world, in order of their ids.
     pub objects: Vec<ObjectInput>,
     /// Types of robots and objects that can be added.
-    pub workshop: protocol::AddableTypes,
+    pub addable_types: protocol::AddableTypes,
 }
 
 /// A robot.
@@ -107,7 +107,7 @@ impl SceneInput<'_> {
             sky: protocol::Sky { horizon, zenith },
             robots: self.robots.iter().map(robot_of).collect(),
             objects: self.objects.iter().map(object_of).collect(),
-            workshop: self.workshop.clone(),
+            addable_types: self.addable_types.clone(),
             images: surfaces.images,
             meshes: surfaces.meshes,
         }

@@ -262,8 +262,8 @@ impl Show {
         let (run, seed, slot, (robots, objects)) = (show.run, show.seed, show.slot, show.roster.clone());
         let (spec, scenery) = (Arc::clone(&show.spec), Arc::clone(&show.scenery));
         drop(show);
-        let (spec, scenery, workshop) = (&*spec, &*scenery.get(), AddableTypes::default());
-        SceneInput { run, seed, slot, spec, scenery, robots, objects, workshop }.scene()
+        let (spec, scenery, addable_types) = (&*spec, &*scenery.get(), AddableTypes::default());
+        SceneInput { run, seed, slot, spec, scenery, robots, objects, addable_types }.scene()
     }
 
     /// Types and poses of the bodies when the run was shown last.

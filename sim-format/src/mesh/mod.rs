@@ -36,7 +36,7 @@ use sim_core::scene::{Material, Mesh, Texture};
 const FALLBACK: &str = "the body's own shape is shown instead";
 
 /// Text of messages: the consequence of a missing mesh that range sensors need.
-const NEEDED_BY_SENSORS: &str = "range sensors cannot do without it";
+const NEEDED_BY_SENSORS: &str = "range sensors need it";
 
 /// Metres per unit of a robot's mesh, for which robis state no scale.
 const ROBOT_SCALE: f64 = 1.0;

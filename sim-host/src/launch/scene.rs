@@ -93,7 +93,7 @@ impl Scene {
         &self.loaded.diagnostics
     }
 
-    /// Notes on the interpretation and the places of the scene's files, a line each.
+    /// Notes on the interpretation and the locations of the scene's files, a line each.
     pub fn notes(&self) -> &[String] {
         &self.loaded.notes
     }

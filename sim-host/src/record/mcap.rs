@@ -533,7 +533,7 @@ mod tests {
                 lcd: protocol::Lcd { size_px: [128, 64], has_colours: false },
             }],
             objects: vec![protocol::Object { id: 1, kind: "ball".into(), body: body() }],
-            workshop: protocol::AddableTypes::default(),
+            addable_types: protocol::AddableTypes::default(),
         }
     }
 

@@ -162,7 +162,7 @@ export function scene() {
       robot(3, "post", "", [44, 160, 44], true),
     ],
     objects: [{ id: 1, kind: "golf", body: { radius_m: 0.021, height_m: 0.042 } }],
-    workshop: { robots: ["Eve", "S4"], objects: ["golf", "can"] },
+    addable_types: { robots: ["Eve", "S4"], objects: ["golf", "can"] },
   };
 }
 

@@ -63,7 +63,7 @@ pub enum Action {
     },
     /// Adds a robot of a type that the scene knows.
     AddRobot {
-        /// Name of the type, one of those that can be added (`workshop` of the scene).
+        /// Name of the type, one of those that can be added (`addable_types` of the scene).
         kind: String,
         /// Number of the robot whose program it runs; none for a robot without a program.
         program_of: Option<u32>,
@@ -81,7 +81,7 @@ pub enum Action {
     },
     /// Adds a movable object of a type that the scene knows.
     AddObject {
-        /// Name of the type, one of those that can be added (`workshop` of the scene).
+        /// Name of the type, one of those that can be added (`addable_types` of the scene).
         kind: String,
         /// World x coordinate.
         x_m: f64,

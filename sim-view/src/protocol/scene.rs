@@ -33,7 +33,7 @@ pub struct Scene {
     /// All movable objects that are in the world, in order of their numbers.
     pub objects: Vec<Object>,
     /// Types that can be added.
-    pub workshop: AddableTypes,
+    pub addable_types: AddableTypes,
 }
 
 /// An image.

@@ -264,7 +264,7 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     let content = match content {
         Ok(Ok(content)) => content,
         Ok(Err(why)) => return (StatusCode::SERVICE_UNAVAILABLE, why).into_response(),
-        Err(_) => return (StatusCode::INTERNAL_SERVER_ERROR, "it could not be made").into_response(),
+        Err(_) => return (StatusCode::INTERNAL_SERVER_ERROR, "it could not be generated").into_response(),
     };
     let mut response = ([(header::CONTENT_TYPE, media_type)], content).into_response();
     if is_saved && let Ok(value) = HeaderValue::from_str(&format!("attachment; filename=\"{}\"", header_safe(name))) {

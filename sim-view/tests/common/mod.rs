@@ -61,7 +61,7 @@ pub fn scene(run: u32) -> Scene {
             lcd: Lcd { size_px: [128, 64], has_colours: false },
         }],
         objects: vec![],
-        workshop: AddableTypes::default(),
+        addable_types: AddableTypes::default(),
     }
 }
 

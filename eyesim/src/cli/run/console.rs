@@ -57,7 +57,7 @@ pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
 /// # Errors
 /// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
 pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
-    interrupt::of_process().context("no handlers of signals")?;
+    interrupt::of_process().context("cannot install signal handlers")?;
     let mut builder = scene.builder()?;
     if !args.quiet {
         builder = builder.with_observer(Box::new(Building::on_stderr()));

@@ -36,7 +36,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         scenery: &ready.scenery().get(),
         robots: scene.robots.iter().map(robot).collect(),
         objects: (1..).zip(build::movable_objects(scene)).map(object).collect(),
-        workshop: protocol::AddableTypes::default(),
+        addable_types: protocol::AddableTypes::default(),
     };
     let contents = InitialContents {
         seed: settings.seed,

@@ -55,7 +55,7 @@ export function editPanel(model: Model): HTMLElement {
   return panel;
 
   function draw(): void {
-    const { robots = [], objects = [], workshop } = model.scene ?? {};
+    const { robots = [], objects = [], addable_types } = model.scene ?? {};
     const bodies: [string, string][] = [
       ...robots.map(({ id, name }): [string, string] => [`robot ${id}`, `robot ${id} ${name}`]),
       ...objects.map(({ id, kind }): [string, string] => [`object ${id}`, `object ${id} ${kind}`]),
@@ -63,8 +63,8 @@ export function editPanel(model: Model): HTMLElement {
     setOptions(which, [["", "none"], ...bodies]);
     which.value = nameOf(model.selected);
     const kinds: [string, string][] = [
-      ...(workshop?.robots ?? []).map((name): [string, string] => [`robot ${name}`, `robot ${name}`]),
-      ...(workshop?.objects ?? []).map((name): [string, string] => [`object ${name}`, `object ${name}`]),
+      ...(addable_types?.robots ?? []).map((name): [string, string] => [`robot ${name}`, `robot ${name}`]),
+      ...(addable_types?.objects ?? []).map((name): [string, string] => [`object ${name}`, `object ${name}`]),
     ];
     setOptions(kind, kinds);
     adding.hidden = kinds.length === 0;

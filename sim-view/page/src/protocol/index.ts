@@ -42,7 +42,7 @@ export type Action = { "do": "press",
   sensor: string,
   /** True to switch it on. */
   on: boolean, } | { "do": "add_robot",
-  /** Name of the type, one of those that can be added (`workshop` of the scene). */
+  /** Name of the type, one of those that can be added (`addable_types` of the scene). */
   kind: string,
   /** Number of the robot whose program it runs; none for a robot without a program. */
   program_of: number | null,
@@ -54,7 +54,7 @@ export type Action = { "do": "press",
   phi_rad: number, } | { "do": "remove_robot",
   /** Number of the robot. */
   robot: number, } | { "do": "add_object",
-  /** Name of the type, one of those that can be added (`workshop` of the scene). */
+  /** Name of the type, one of those that can be added (`addable_types` of the scene). */
   kind: string,
   /** World x coordinate. */
   x_m: number,
@@ -544,7 +544,7 @@ export type Scene = {
   /** All movable objects that are in the world, in order of their numbers. */
   objects: Array<Object>,
   /** Types that can be added. */
-  workshop: AddableTypes, };
+  addable_types: AddableTypes, };
 
 /** Seed of a restarted run. */
 export type Seed = "same" | "new" | { "number": string };
