@@ -69,7 +69,7 @@ fn world(robots: u32) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions)
 }
 
-/// Complete scans as by `LIDARGet`, of walls alone and among robots.
+/// Complete scans as by `LIDARGet`, with walls only, and with other robots.
 fn scans(criterion: &mut Criterion) {
     let (walls, crowd) = (world(0), world(100));
     let rays = benches::lidar_rays(28);

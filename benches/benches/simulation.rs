@@ -1,5 +1,5 @@
 //! Benches of the simulation without programs: `step` and `noisy-step` advance one robot by a slot and read its eight
-//! range sensors, `restore` copies a snapshot back, `restart` begins anew.
+//! range sensors, `restore` copies a snapshot back, `restart` starts a new simulation.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use sim_core::RobotId;

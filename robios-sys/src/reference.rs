@@ -50,7 +50,7 @@ pub fn pages<E>(mut example: impl FnMut(&str) -> Result<String, E>) -> Result<[P
 /// The parts of a function's doc.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Description {
-    /// Sentences that describe what the function does; the first one is used alone in lists.
+    /// Sentences that describe what the function does; lists contain only the first one.
     pub text: Vec<String>,
     /// The parameters in the order of the C prototype: name, and text without the final full stop.
     pub parameters: Vec<(String, Option<String>)>,

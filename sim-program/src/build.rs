@@ -126,7 +126,7 @@ pub enum BuildError {
     },
     /// A source is a link to a file outside the program's folder; a restricted program is built only from files in its
     /// folder.
-    #[error("`{}` is a link out of its folder, and the sandbox builds a program from the files in its own folder alone", path.display())]
+    #[error("`{}` is a link out of its folder, and the sandbox builds a program only from the files in its own folder", path.display())]
     Outside {
         /// The source.
         path: PathBuf,

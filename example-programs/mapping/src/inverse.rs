@@ -43,7 +43,7 @@ impl SonarPose {
 pub enum Side {
     /// The point with the greater membership, or the lower one if both are equal: the supremum of the paper.
     MostPossible,
-    /// The lower point, whatever the pitch of the sonar: the ground is not above this point (our choice).
+    /// The lower point, for any pitch of the sonar: the ground is not above this point (our choice).
     Lower,
 }
 

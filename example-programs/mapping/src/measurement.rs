@@ -70,7 +70,7 @@ impl LikelihoodField {
 pub struct Points<'a> {
     /// Likelihood field of the map.
     pub field: &'a LikelihoodField,
-    /// Points of each reading in the robot's frame. All readings have the same weight, whatever their number of points.
+    /// Points of each reading in the robot's frame. All readings have the same weight, for any number of points.
     pub readings: Vec<Vec<Point>>,
 }
 

@@ -495,7 +495,8 @@ mod tests {
         }
     }
 
-    /// Eq. 3 with the division: if all activations have one height, the average is that height, whatever their sum.
+    /// Eq. 3 with the division: if all activations have one height, the average is that height for any sum of the
+    /// activations.
     #[test]
     fn average_is_divided_by_the_sum_of_activations() {
         let settings = Settings { fusion: Fusion::Average, reading_sigma: 1e-3, ..Settings::default() };

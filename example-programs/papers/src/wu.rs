@@ -27,7 +27,7 @@ use crate::run::{Job, Run, Scene};
 use maps::{MapMethod, Mapped};
 use sim_host::launch::Options;
 
-/// The runs: name, file of the scene, and noise (a preset, or the noise of sonars alone).
+/// The runs: name, file of the scene, and noise (a preset, or the noise of the sonars only).
 const RUNS: [(&str, &str, &str); 7] = [
     ("room", "sims/sonar-map.scene.toml", "none"),
     ("room-sonar-noise", "sims/sonar-map.scene.toml", SONAR_NOISE),

@@ -183,7 +183,7 @@ impl Failure {
     fn of(text: impl ToString) -> Self {
         let text = text.to_string();
         let is_long = text.lines().nth(1).is_some();
-        // A compiler's first line names only the location, and a linker's last line only tells that it failed.
+        // A compiler's first line names only the location, and a linker's last line says only that it failed.
         let find =
             |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
         let linker_error = || find("multiple definition of").or_else(|| find("undefined reference to"));

@@ -37,7 +37,7 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
     Ok(rows)
 }
 
-/// The case of a row, whatever the location of the suite: the name of the suite's file, and the name of the case.
+/// The case of a row, regardless of the location of the suite: the name of the suite's file, and the name of the case.
 fn case_of(row: &Row) -> (String, String) {
     (file_name(&row.suite).to_owned(), row.case.clone())
 }

@@ -256,7 +256,7 @@ impl Show {
             (robots.iter().map(robot).collect(), objects.map(|(id, spec)| ObjectInput::at_start(id, spec)).collect());
     }
 
-    /// Scene with all bodies of the run so far, including removed ones. The run goes on while it is built.
+    /// Scene with all bodies of the run so far, including removed ones. The run continues while it is built.
     pub fn recorded_scene(show: &Mutex<Self>) -> Scene {
         let show = show.lock();
         let (run, seed, slot, (robots, objects)) = (show.run, show.seed, show.slot, show.roster.clone());

@@ -20,7 +20,7 @@
 #define KEY2                   2 /* The second key from the left. */
 #define KEY3                   4 /* The third key from the left. */
 #define KEY4                   8 /* The right key. */
-#define ANYKEY              (-1) /* KEYWait: whichever key. */
+#define ANYKEY              (-1) /* KEYWait: any key. */
 #define NONSCROLLING           0 /* LCDMode: text that leaves the last line starts again in the first. */
 #define NOSCROLLING            0 /* The same as NONSCROLLING. */
 #define SCROLLING              1 /* LCDMode: text that leaves the last line moves all lines up. */

@@ -44,7 +44,7 @@
 #define KEY2                   2 /* The second key from the left. */
 #define KEY3                   4 /* The third key from the left. */
 #define KEY4                   8 /* The right key. */
-#define ANYKEY              (-1) /* KEYWait: whichever key. */
+#define ANYKEY              (-1) /* KEYWait: any key. */
 #define KEY_INVALID         (-1) /* No such key. */
 #define KEY_LIST1             16 /* First line of a list menu. */
 #define KEY_LIST2             32 /* Second line of a list menu. */

@@ -21,7 +21,7 @@ constants! {
     KEY3: i32 = 4;
     /// The right key.
     KEY4: i32 = 8;
-    /// `KEYWait`: whichever key.
+    /// `KEYWait`: any key.
     ANYKEY: i32 = -1;
 
     /// `LCDMode`: text that leaves the last line starts again in the first.

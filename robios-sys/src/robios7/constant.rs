@@ -78,7 +78,7 @@ constants! {
     KEY3: i32 = 4;
     /// The right key.
     KEY4: i32 = 8;
-    /// `KEYWait`: whichever key.
+    /// `KEYWait`: any key.
     ANYKEY: i32 = -1;
     /// No such key.
     KEY_INVALID: i32 = -1;

@@ -90,7 +90,7 @@ pub enum CommandError {
         wheels: usize,
     },
     /// Thrusters accept the rates of their motors, but neither speeds nor targets.
-    #[error("thrusters are driven by their motors alone, accepted: rates of single motors")]
+    #[error("thrusters can be driven only by their motors, accepted: rates of single motors")]
     Thrusters,
     /// Only an omni drive and legs can move sideways.
     #[error("this drive cannot move sideways, accepted: omni drives and legs")]

@@ -46,7 +46,7 @@ pub struct TwistNoise {
 
 /// Maximum errors at the target of a drive; with 0 a drive ends exactly at its target.
 ///
-/// The error of each drive is drawn anew, uniform between the negative bound and the bound. It is never larger than the
+/// The error is drawn for each drive, uniform between the negative bound and the bound. It is never larger than the
 /// drive itself: a drive of 1 mm with a bound of 4 mm ends between 0 and 2 mm. The wheels stop at this end, so encoders
 /// and odometry include the error. Source: tolerances that robotics courses require of real robots; the uniform
 /// distribution is our choice.

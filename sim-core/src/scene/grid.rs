@@ -119,7 +119,7 @@ impl Grid {
     /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `direction` has length 1;
     /// all arguments except `range` are finite.
     ///
-    /// Distances to the cell borders are not summed but computed anew at each step. So every visited cell is at most a
+    /// Distances to the cell borders are not summed but recomputed at each step. So every visited cell is at most a
     /// few units in the last place of the ray's coordinates away from the ray, for any number of cells.
     #[inline]
     pub fn walk(

@@ -74,7 +74,7 @@ impl WorldTable {
     }
 }
 
-/// Kind of a world file: a maze if its extension says so, otherwise as stated, and a world if nothing is stated.
+/// Kind of a world file: a maze if it has the extension of one, otherwise as stated, and a world if nothing is stated.
 fn kind_of_file(path: &SpannedText, stated: Option<WorldKind>) -> WorldKind {
     match path::extension(&path.text).as_str() {
         "maz" | "maze" => WorldKind::Maze,

@@ -118,7 +118,7 @@ pub fn results(
 pub enum Progress {
     /// The rest of the run may still decide the check.
     Open,
-    /// The check is met, whatever happens later.
+    /// The check is met, and no later event can change this.
     Met,
     /// The check can no longer be met.
     Failed,

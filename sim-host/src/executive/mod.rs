@@ -119,7 +119,7 @@ pub trait Executor: Send + Sync {
     fn break_overdue(&self, robot: RobotId);
 }
 
-/// Limit of the main thread's stack, in bytes; none if the kernel does not tell it.
+/// Limit of the main thread's stack, in bytes; none if the kernel does not report it.
 pub fn stack_limit() -> Option<u64> {
     let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
     // SAFETY: the call writes only to `limit`.

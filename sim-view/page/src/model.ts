@@ -239,7 +239,7 @@ export class Model {
     this.notify("history");
   }
 
-  /** Clears the state of the run: it comes anew. */
+  /** Clears the state of the run: it is sent again. */
   private restart(): void {
     this.snapshot = null;
     this.details.clear();

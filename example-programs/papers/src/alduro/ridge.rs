@@ -2,7 +2,7 @@
 //! unknowns.
 //!
 //! Recursive least squares without forgetting has the same solution (`mapping::rls`). Here all n equations together
-//! cost n^3 operations, whatever the number of unknowns.
+//! cost n^3 operations, for any number of unknowns.
 
 use mapping::math;
 use nalgebra::linalg::SymmetricTridiagonal;

@@ -21,7 +21,7 @@ pub(super) struct SmoothValue {
     base: f64,
     /// Start, duration and height of each step.
     steps: Vec<(Time, Time, f64)>,
-    /// Instant from which the value is 0, whatever the steps.
+    /// Instant from which the value is 0, for any steps.
     end: Option<Time>,
 }
 

@@ -135,7 +135,7 @@ impl WallBatches {
         let (mut exits, spacing) =
             (f64x2::simd_from(simd, exits.to_array()), f64x2::simd_from(simd, spacing.to_array()));
         let zero = f64x2::splat(simd, 0.0);
-        // A ray through a corner of cells goes on to the opposite cell: the walls at the corner are in all four.
+        // A ray through a corner of cells continues in the opposite cell: the walls at the corner are in all four.
         let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
         let strides = [0, by_column, by_row, by_column.wrapping_add(by_row)];
 
