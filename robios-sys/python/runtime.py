@@ -71,7 +71,7 @@ class _Channel:
         self.memory = _mmap.mmap(0, _CHANNEL, _mmap.MAP_SHARED)
         magic, version = _struct.unpack_from("<II", self.memory, 0)
         if magic != 0x53455945 or version != 1:
-            raise RuntimeError("the simulator speaks another protocol: copy its eye.py anew")
+            raise RuntimeError("the simulator speaks another protocol: copy its eye.py again")
         self.libc = _ctypes.CDLL(None, use_errno=True)
         self.futex = _SYS_FUTEX[_platform.machine()]
         self.is_ordered, self.has_woken = _platform.machine() == "x86_64", True

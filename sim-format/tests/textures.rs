@@ -13,7 +13,7 @@ fn the_images_are_those_that_the_command_draws() {
         let committed = image::open(folder.join(name)).expect("an image").into_rgb8();
         assert!(
             committed == drawn::turned(&draw()),
-            "write `{name}` anew with `cargo run -p sim-format --example textures`"
+            "write `{name}` again with `cargo run -p sim-format --example textures`"
         );
     }
 }
@@ -26,7 +26,7 @@ fn the_terrains_are_those_that_the_command_draws() {
         assert!(matches!(committed, image::DynamicImage::ImageLuma16(_)), "`{name}` is grey, of 16 bits");
         assert!(
             committed.into_luma16() == draw(),
-            "write `{name}` anew with `cargo run -p sim-format --example textures`"
+            "write `{name}` again with `cargo run -p sim-format --example textures`"
         );
     }
 }

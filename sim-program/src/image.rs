@@ -463,7 +463,7 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let thread_bound = match language {
         Some(language::C) if has_thread_locals => Some("has thread-local variables".to_owned()),
         Some(language::C) => why_thread_bound(&libraries, &undefined),
-        _ => Some("is not in C alone".to_owned()),
+        _ => Some("is not only in C".to_owned()),
     };
     Ok(ImageParts {
         loaded_len,

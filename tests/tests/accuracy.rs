@@ -72,7 +72,7 @@ fn the_curves_on_the_radio_page_are_those_of_the_studies() {
     for picture in pictures {
         let committed = std::fs::read_to_string(docs.join(picture)).unwrap_or_else(|_| panic!("no `{picture}`"));
         let advice = rest.lines().next().unwrap_or_default();
-        assert!(scratch.read(picture) == committed, "`{picture}`: draw it anew: cargo run --release -- {advice}");
+        assert!(scratch.read(picture) == committed, "`{picture}`: draw it again: cargo run --release -- {advice}");
     }
 }
 

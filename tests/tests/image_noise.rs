@@ -112,7 +112,7 @@ fn the_pictures_are_those_that_the_command_writes() {
     for name in NAMES {
         let is_same = fs::read(scratch.path().join(format!("{name}.png"))).expect("a picture")
             == fs::read(committed().join(format!("{name}.png"))).expect("a picture of the page");
-        assert!(is_same, "{name}.png: write it anew with the command in docs/image-noise.md");
+        assert!(is_same, "{name}.png: write it again with the command in docs/image-noise.md");
     }
 }
 

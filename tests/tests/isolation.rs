@@ -57,7 +57,7 @@ fn random_numbers_are_the_robots_own_and_do_not_depend_on_threads() {
     assert_ne!(lcd(&one, 0), lcd(&one, 1), "each robot has its own sequence");
     assert_eq!([lcd(&one, 0), lcd(&one, 1)], [lcd(&two, 0), lcd(&two, 1)], "the same on one thread and two");
     assert_ne!(lcd(&one, 0), lcd(&other, 0), "another seed, another sequence");
-    assert!(lcd(&one, 0).ends_with(" 1"), "srand starts the sequence anew: {}", lcd(&one, 0));
+    assert!(lcd(&one, 0).ends_with(" 1"), "srand restarts the sequence: {}", lcd(&one, 0));
 }
 
 #[test]

@@ -341,7 +341,7 @@ fn the_picture_is_the_one_that_the_scene_draws() {
     let output = command.arg(&plot).current_dir(root()).output().expect("eyesim starts");
     assert!(output.status.success(), "{output:?}");
     let committed = std::fs::read_to_string(root().join("docs/noise.svg")).expect("the page's picture");
-    let advice = "draw it anew: cargo run --release -- run sims/umbmark.scene.toml --plot docs/noise.svg";
+    let advice = "draw it again: cargo run --release -- run sims/umbmark.scene.toml --plot docs/noise.svg";
     assert!(scratch.read("noise.svg") == committed, "{advice}");
 }
 

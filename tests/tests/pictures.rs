@@ -25,7 +25,7 @@ fn the_pictures_of_cameras_are_those_of_the_commands() {
         assert_eq!(drawn.dimensions(), committed.dimensions(), "{picture}");
         let difference: u64 = drawn.iter().zip(committed.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
         let mean = difference as f64 / drawn.len() as f64;
-        assert!(mean < SAME, "`{picture}` differs by {mean} levels: write it anew with `eyesim shot sims/{line}`");
+        assert!(mean < SAME, "`{picture}` differs by {mean} levels: write it again with `eyesim shot sims/{line}`");
         count += 1;
     }
     assert_eq!(count, 3);

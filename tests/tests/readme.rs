@@ -33,7 +33,7 @@ fn the_picture_is_the_one_that_the_first_command_draws() {
     let output = command.arg(&plot).current_dir(root()).output().expect("eyesim starts");
     assert!(output.status.success(), "{output:?}");
     let committed = fs::read_to_string(root().join("docs/demo.svg")).expect("the README's picture");
-    assert!(scratch.read("demo.svg") == committed, "draw docs/demo.svg anew with the README's first command");
+    assert!(scratch.read("demo.svg") == committed, "draw docs/demo.svg again with the README's first command");
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn the_robot_is_the_one_that_its_command_draws() {
     let output = command.arg(&picture).current_dir(root()).output().expect("eyesim starts");
     assert!(output.status.success(), "{output:?}");
     let committed = fs::read_to_string(root().join("docs/feeler.svg")).expect("the picture of the pages");
-    assert!(scratch.read("feeler.svg") == committed, "draw docs/feeler.svg anew with the command in docs/plot.md");
+    assert!(scratch.read("feeler.svg") == committed, "draw docs/feeler.svg again with the command in docs/plot.md");
 }
 
 #[test]

@@ -493,7 +493,10 @@ fn compressed_and_filtered_traces_repeat_a_run() {
     let verified = verify(&scratch, "few.jsonl", &[]);
     assert_eq!(verified.code, Some(0), "{verified:#?}");
     assert!(verified.stdout.contains(digest), "{verified:#?}");
-    assert!(verified.stderr.contains("only the events that `--trace-only contact,program_started` selected"), "{verified:#?}");
+    assert!(
+        verified.stderr.contains("only the events that `--trace-only contact,program_started` selected"),
+        "{verified:#?}"
+    );
     let diff = scratch.eyesim(&["diff", "trace.jsonl", "few.jsonl"]);
     assert_eq!(diff.code, Some(2), "{diff:#?}");
     assert!(diff.stderr.contains("all kinds of events in A, `contact,program_started` in B"), "{diff:#?}");

@@ -205,7 +205,7 @@ fn wrong_arguments_are_named_with_what_is_accepted() {
         (&["--threads", "30000"][..], "1 to 1024"),
         (&["--until", "nan"][..], "seconds"),
         (&["--speed", "0"][..], "max"),
-        (&["--args", "9:x"][..], "robot 1 alone"),
+        (&["--args", "9:x"][..], "only robot 1"),
         (&["--keys", "1:KEY9"][..], "KEY1"),
         (&["--costs", "none.toml"][..], "none.toml"),
     ] {

@@ -247,7 +247,7 @@ fn a_shot_shows_the_display_of_either_generation() {
 fn invalid_shots_are_refused_with_a_reason() {
     let scratch = scene("    LCDPrintf(\"x\");");
     for (args, message) in [
-        (&["--lcd", "2"][..], "there is no robot 2: the scene has robot 1 alone"),
+        (&["--lcd", "2"][..], "there is no robot 2: the scene has only robot 1"),
         (&["--lcd", "0"], "expected a robot's number from 1"),
         (&["--lcd", "-o", "x.jpg"], "expected a name that ends in .png"),
         (&["--lcd", "-o", "nowhere/x.png"], "there is no folder"),

@@ -350,7 +350,7 @@ fn scenes_and_suites_name_each_others_commands() {
 fn options_that_fit_no_robot_end_the_command_before_any_case() {
     let scratch = of_page();
     for (args, said) in [
-        (&["0.suite.toml", "--program", "2=square.c"][..], "there is no robot 2: the scene has robot 1 alone"),
+        (&["0.suite.toml", "--program", "2=square.c"][..], "there is no robot 2: the scene has only robot 1"),
         (&["0.suite.toml", "--program", "maze=square.c"], "no robot has a program or a type `maze`"),
     ] {
         let ran = test(&scratch, args, 2);

@@ -251,7 +251,7 @@ fn unknown_kind(name: &str) -> Diagnostic {
     let is_program = Language::of(Path::new(name)).is_some()
         || [".py", ".rs", ".so"].iter().any(|extension| name.ends_with(extension));
     let message = if is_program {
-        "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
+        "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` builds a single program in C"
     } else if extension(name) == "toml" {
         "the file is no scene, suite, noise profile or cost table, and no .robi of the same name is beside it"
     } else {

@@ -22,5 +22,5 @@ pub struct ChildArgs {
 /// # Errors
 /// If `eyesim run` has not started it.
 pub fn run(args: &ChildArgs) -> anyhow::Result<ExitCode> {
-    client::run(&args.library, args.debugged).context("`eyesim child` is started by `eyesim run --exec process` alone")
+    client::run(&args.library, args.debugged).context("only `eyesim run --exec process` starts `eyesim child`")
 }

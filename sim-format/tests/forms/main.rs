@@ -175,7 +175,7 @@ fn the_schema_of_the_docs_is_that_of_the_code() {
         fs::write(&path, scene_schema()).expect("the schema is written");
     }
     let committed = fs::read_to_string(&path).unwrap_or_default();
-    assert_eq!(committed, scene_schema(), "write it anew with INSTA_UPDATE=always, or with `eyesim schema`");
+    assert_eq!(committed, scene_schema(), "write it again with INSTA_UPDATE=always, or with `eyesim schema`");
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn the_schema_of_suites_is_that_of_the_code_and_suites_print_as_they_were_read()
         fs::write(&path, suite_schema()).expect("the schema is written");
     }
     let committed = fs::read_to_string(&path).unwrap_or_default();
-    assert_eq!(committed, suite_schema(), "write it anew with INSTA_UPDATE=always, or with `eyesim schema suite`");
+    assert_eq!(committed, suite_schema(), "write it again with INSTA_UPDATE=always, or with `eyesim schema suite`");
     let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/suite/all.suite.toml");
     let (suite, diagnostics) = read_suite("a.suite.toml", &fs::read_to_string(seed).expect("a suite"));
     assert_eq!(diagnostics, []);

@@ -164,7 +164,7 @@ pub enum CostFileError {
 fn known_robots(count: usize) -> String {
     match count {
         0 => "no robots".to_owned(),
-        1 => "robot 1 alone".to_owned(),
+        1 => "only robot 1".to_owned(),
         count => format!("robots 1 to {count}"),
     }
 }
