@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::line::{self, Quantity, Word};
+use super::line::{self, Quantity, SingleKeywords, Word};
 use super::spec::{Axis, Collider, DEFAULT_OBJECT_MASS, DEFAULT_ROLLING, MAX_LENGTH, ModelSpec, ObjectType};
 use super::{Span, path};
 use sim_core::unit;
@@ -43,6 +43,7 @@ pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
         object: ObjectType { colliders: Vec::new(), ..ObjectType::with_defaults(file) },
         collider_spans: Vec::new(),
         scale: 1.0,
+        single: SingleKeywords::default(),
         has_mass: false,
     };
     for line in line::lines(text) {
@@ -62,11 +63,21 @@ struct Reader {
     collider_spans: Vec<Span>,
     /// Factor on all lengths: millimetres per unit of the file, metres per unit of the mesh file.
     scale: f64,
+    single: SingleKeywords,
     has_mass: bool,
 }
 
 impl Reader {
     fn read_line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some((keyword, line)) = line::without_equals_sign(&KEYWORDS, first, rest) {
+            let message = format!("`=` follows the keyword `{keyword}`");
+            self.sink.warn(Code::EsobjKeyword, first.span, message, KEYWORD_SYNTAX).suggestion =
+                Some(format!("write `{line}`"));
+            return;
+        }
+        if KEYWORDS.contains(&first.text) && first.text != "collider" && !SHAPES.contains(&first.text) {
+            self.single.add(&mut self.sink, first.text, first.span);
+        }
         match first.text {
             "obj" => {
                 let path = path::reference(&mut self.sink, Severity::Warning, first, rest, "`obj FILE.obj`");
@@ -142,7 +153,9 @@ impl Reader {
         if rest.len() < count {
             let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
             let message = format!("`{}` has {} of {count} values", keyword.text, rest.len());
-            self.sink.warn(Code::EsobjArity, span, message, syntax);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.warn(Code::EsobjArity, span, message, syntax).suggestion =
+                line::without_commas(line, |words| words.len() == 1 + count);
             return None;
         }
         self.warn_of_extra_values(keyword, rest, count, syntax);
@@ -152,7 +165,7 @@ impl Reader {
     fn warn_of_extra_values(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax).suggestion = line::comment_hint(extra.text);
         }
     }
 
@@ -233,11 +246,10 @@ impl Reader {
     }
 
     fn report_unknown(&mut self, word: &Word<'_>) {
-        let expected = "one of obj, name, scale, mass, collider, box, sphere, capsule, cylinder, buoyancy, fixed, friction, \
-                        rolling, restitution, colour";
         let message = format!("unknown keyword `{}`", word.text);
-        let diagnostic = self.sink.warn(Code::EsobjKeyword, word.span, message, expected);
-        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+        let diagnostic = self.sink.warn(Code::EsobjKeyword, word.span, message, KEYWORD_SYNTAX);
+        let nearest = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+        diagnostic.suggestion = line::comment_hint(word.text).or(nearest);
     }
 
     fn finish(mut self) -> (ObjectType, Vec<Diagnostic>) {
@@ -313,6 +325,8 @@ fn is_in_range(collider: &Collider) -> bool {
     centre.abs().max_element() <= MAX_LENGTH && smallest >= MIN_SIZE && largest <= MAX_LENGTH
 }
 
+const KEYWORD_SYNTAX: &str = "one of obj, name, scale, mass, collider, box, sphere, capsule, cylinder, buoyancy, fixed, friction, rolling, \
+     restitution, colour";
 const COLLIDER_SYNTAX: &str = "`collider box|sphere|capsule|cylinder` and its values";
 const BOX_SYNTAX: &str = "`collider box X Y Z SX SY SZ`: centre and sizes";
 const SPHERE_SYNTAX: &str = "`collider sphere X Y Z RADIUS`";

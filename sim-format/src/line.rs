@@ -1,5 +1,7 @@
 //! Lines, words and numbers, common to the classic formats.
 
+use std::collections::BTreeMap;
+
 pub(super) use sim_core::nearest::nearest;
 pub(super) use sim_core::unit::Quantity;
 
@@ -118,6 +120,11 @@ impl<'a> Line<'a> {
 }
 
 impl<'a> Word<'a> {
+    /// Text of the word, between double quotes if it contains blanks.
+    pub(super) fn quoted(&self) -> String {
+        if self.text.contains(' ') { format!("\"{}\"", self.text) } else { self.text.to_owned() }
+    }
+
     /// Extends this word to the end of `last`, a later word of the same `line`.
     pub(super) fn extend_to(&mut self, line: &Line<'a>, last: &Word<'a>) {
         self.span = self.span.to(last.span);
@@ -125,9 +132,12 @@ impl<'a> Word<'a> {
     }
 }
 
+/// Dashes that word processors and PDF files have instead of a minus sign: en dash and U+2212.
+const DASHES: [char; 2] = ['\u{2013}', '\u{2212}'];
+
 /// Returns true if a word is probably meant as a number.
 pub(super) fn looks_numeric(word: &str) -> bool {
-    let unsigned = word.trim_start_matches(['+', '-']);
+    let unsigned = word.trim_start_matches(['+', '-']).trim_start_matches(DASHES);
     unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') || word.parse::<f64>().is_ok()
 }
 
@@ -146,8 +156,7 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     let Ok(value) = word.text.parse::<f64>() else {
         let message = format!("`{}` is not a number ({name})", word.text);
         let diagnostic = sink.report(severity, Code::NumberInvalid, word.span, message, quantity.expected());
-        let note = if word.text.ends_with([',', ';']) { ": blanks separate numbers" } else { "" };
-        diagnostic.suggestion = guessed_number(word.text).map(|text| format!("write `{text}`{note}"));
+        diagnostic.suggestion = number_hint(word.text).or_else(|| comment_hint(word.text));
         return None;
     };
     let checked = quantity.check(value);
@@ -158,15 +167,74 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
+/// Suggestion for a malformed number.
+pub(super) fn number_hint(word: &str) -> Option<String> {
+    let note = if word.ends_with([',', ';']) { ": blanks separate numbers" } else { "" };
+    guessed_number(word).map(|text| format!("write `{text}`{note}"))
+}
+
+/// The keyword of a line such as `world=box.wld`, and the line without `=`; `None` for a line of another form.
+pub(super) fn without_equals_sign<'k>(
+    keywords: &[&'k str],
+    first: &Word<'_>,
+    rest: &[Word<'_>],
+) -> Option<(&'k str, String)> {
+    let line = std::iter::once(first).chain(rest).map(Word::quoted).collect::<Vec<_>>().join(" ");
+    let (written, value) = line.split_once('=')?;
+    let keyword = keywords.iter().find(|keyword| keyword.eq_ignore_ascii_case(written.trim()))?;
+    Some((keyword, format!("{keyword} {}", value.trim())))
+}
+
+/// Keywords that a file has at most once, with the lines that they are in.
+#[derive(Debug, Default)]
+pub(super) struct SingleKeywords(BTreeMap<String, u32>);
+
+impl SingleKeywords {
+    /// Records a line with `keyword`; warns if an earlier line has it too.
+    pub(super) fn add(&mut self, sink: &mut Sink, keyword: &str, span: Span) {
+        let first_line = *self.0.entry(keyword.to_owned()).or_insert(span.line);
+        if first_line != span.line {
+            let message = format!("`{keyword}` is in line {first_line} too");
+            sink.warn(Code::KeywordTwice, span, message, format!("one line with `{keyword}`"));
+        }
+    }
+}
+
+/// Suggestion for a word that begins a comment of C.
+pub(super) fn comment_hint(word: &str) -> Option<String> {
+    ["//", "/*"].iter().any(|mark| word.starts_with(mark)).then(|| "begin a comment with `#`".to_owned())
+}
+
+/// Suggestion for a line with commas between its numbers: the line with blanks, if `is_complete` accepts its words.
+pub(super) fn without_commas<'w, 't: 'w>(
+    words: impl IntoIterator<Item = &'w Word<'t>>,
+    is_complete: impl Fn(&[String]) -> bool,
+) -> Option<String> {
+    let (mut separated, mut has_commas) = (Vec::new(), false);
+    for word in words {
+        let parts = || word.text.split(',').filter(|part| !part.is_empty());
+        // A list of source files has commas too.
+        if word.text.contains(',') && parts().any(|part| part.parse::<f64>().is_ok()) {
+            has_commas = true;
+            separated.extend(parts().map(str::to_owned));
+        } else {
+            separated.push(word.quoted());
+        }
+    }
+    (has_commas && is_complete(&separated)).then(|| format!("write `{}`: blanks separate numbers", separated.join(" ")))
+}
+
 /// Guess of the number that the user meant. Corrects a comma instead of the point, after the number or before each
-/// three digits, letters instead of digits, or an attached unit.
+/// three digits, letters instead of digits, a dash instead of the minus sign, or an attached unit.
 pub(super) fn guessed_number(word: &str) -> Option<String> {
     let word = word.trim_end_matches([',', ';']);
-    let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
+    let without_unit =
+        ["mm/s", "mm", "deg/s", "deg", "°", "kg"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
     let corrected = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',
         ',' => '.',
+        c if DASHES.contains(&c) => '-',
         c => c,
     };
     let guess = match has_thousands(without_unit) {
@@ -245,11 +313,28 @@ mod tests {
     }
 
     #[test]
+    fn commas_between_numbers_become_blanks() {
+        let suggested = |text, count| {
+            let words: Vec<Word<'_>> = lines(text).flat_map(|line| line.words()).collect();
+            without_commas(&words, |words| words.len() == count)
+        };
+        assert_eq!(suggested("floor 1,2", 3).as_deref(), Some("write `floor 1 2`: blanks separate numbers"));
+        assert_eq!(suggested("floor 1,2", 4), None);
+        assert_eq!(suggested("floor 1 2", 3), None);
+        assert_eq!(
+            suggested("S4 1,2, 3 a.c,b.c", 5).expect("commas"),
+            "write `S4 1 2 3 a.c,b.c`: blanks separate numbers"
+        );
+    }
+
+    #[test]
     fn numbers_with_comma_or_unit_are_guessed() {
         assert_eq!(guessed_number("12,5").as_deref(), Some("12.5"));
         assert_eq!(guessed_number("360mm").as_deref(), Some("360"));
         assert_eq!(guessed_number("1OO").as_deref(), Some("100"));
         assert_eq!(guessed_number("wide"), None);
+        assert_eq!(guessed_number("\u{2013}90").as_deref(), Some("-90"));
+        assert_eq!(guessed_number("5kg").as_deref(), Some("5"));
         assert_eq!(guessed_number("1,000,000").as_deref(), Some("1000000"));
         assert_eq!(guessed_number("-2,000mm").as_deref(), Some("-2000"));
         assert_eq!(guessed_number("0,125").as_deref(), Some("0.125"));

@@ -155,6 +155,20 @@ const CHECKED_SEED_COUNT: u64 = 10;
 /// Extensions of the files that a `.sim` file names, which users omit.
 const EXTENSIONS: [&str; 4] = [".wld", ".maz", ".robi", ".esobj"];
 
+/// Extensions, and the kinds of their files.
+const FILE_KINDS: [(&str, &str); 10] = [
+    ("sim", "a scene"),
+    ("wld", "a world"),
+    ("maz", "a maze"),
+    ("maze", "a maze"),
+    ("robi", "a robot type"),
+    ("esObj", "an object type"),
+    ("obj", "a mesh"),
+    ("c", "a program"),
+    ("cpp", "a program"),
+    ("py", "a program"),
+];
+
 /// Loads a scene like [`load_scene`], with values that override those of the scene.
 ///
 /// Random values are drawn from the seed. If a requirement of the scene on its positions is not met, all values are
@@ -475,7 +489,7 @@ impl<'a> Loader<'a> {
             let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
             let stem = path::stem(&reference.text);
             let built_in = builtin::ROBOTS.iter().find(|name| name.eq_ignore_ascii_case(stem));
-            let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
+            let built_in = built_in.filter(|_| matches!(path::extension(&reference.text).as_str(), "robi" | ""));
             diagnostic.suggestion = match built_in {
                 Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
                 None if reference.text.starts_with(['~', '$']) => {
@@ -554,6 +568,9 @@ impl<'a> Loader<'a> {
             self.diagnostics.extend(sink.finish());
             return (!is_classic).then(empty_box);
         };
+        if !self.is_of_kind(Severity::Error, &sim.file, &line.path, &["a world", "a maze"]) {
+            return None;
+        }
         let (path, bytes) = self.find(&sim.file, folder, &line.path)?;
         // A file at another place is reported already.
         let home = self.files.home();
@@ -622,12 +639,31 @@ impl<'a> Loader<'a> {
         NoiseRef::Profile(Arc::new(profile))
     }
 
+    /// Reports a `reference` whose extension is that of a file of other than these `kinds`, and returns false.
+    fn is_of_kind(&mut self, severity: Severity, file: &str, reference: &SpannedText, kinds: &[&str]) -> bool {
+        let extension = path::extension(&reference.text);
+        let found = FILE_KINDS.iter().find(|(other, _)| other.eq_ignore_ascii_case(&extension));
+        let Some((_, kind)) = found.filter(|(_, kind)| !kinds.contains(kind)) else {
+            return true;
+        };
+        let mut sink = Sink::new(file);
+        let message = format!("`{}` is {kind}, and not {}", reference.text, kinds.join(" or "));
+        let extensions: Vec<&str> =
+            FILE_KINDS.iter().filter(|(_, kind)| kinds.contains(kind)).map(|(extension, _)| *extension).collect();
+        let expected = format!("a file that ends in .{}", extensions.join(" or ."));
+        sink.report(severity, Code::FileKind, reference.span, message, expected);
+        self.diagnostics.extend(sink.finish());
+        false
+    }
+
     /// Robot type that `reference` in the sim file `file` refers to; an error if it does not exist.
     pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<RobiSpec>> {
         if let Some(cached) = self.robots.by_reference.get(&reference.text) {
             return cached.clone();
         }
-        let robi = self.find(file, folder, reference).map(|(path, bytes)| {
+        let is_robi = self.is_of_kind(Severity::Error, file, reference, &["a robot type"]);
+        let found = if is_robi { self.find(file, folder, reference) } else { None };
+        let robi = found.map(|(path, bytes)| {
             if let Some(robi) = self.robots.by_path.get(&path) {
                 return Arc::clone(robi);
             }
@@ -645,7 +681,9 @@ impl<'a> Loader<'a> {
         if let Some(cached) = self.objects.by_reference.get(&reference.text) {
             return cached.clone();
         }
-        let object = self.find_or(Severity::Warning, file, folder, reference).map(|(path, bytes)| {
+        let is_object = self.is_of_kind(Severity::Warning, file, reference, &["an object type"]);
+        let found = if is_object { self.find_or(Severity::Warning, file, folder, reference) } else { None };
+        let object = found.map(|(path, bytes)| {
             if let Some(object) = self.objects.by_path.get(&path) {
                 return Arc::clone(object);
             }

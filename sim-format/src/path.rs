@@ -2,7 +2,7 @@
 
 use super::code::Code;
 use super::diagnostic::{Severity, Sink};
-use super::line::Word;
+use super::line::{self, Word};
 use super::spec::SpannedText;
 pub use sim_core::spec::{file_name, stem};
 
@@ -212,7 +212,8 @@ pub(super) fn reference(
     if let Some(extra) = extra.first() {
         let message = format!("`{}` is left over after the file name", extra.text);
         let diagnostic = sink.warn(Code::WordExtra, extra.span, message, syntax);
-        diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
+        let quotes = || "put a file name with blanks between double quotes".to_owned();
+        diagnostic.suggestion = line::comment_hint(extra.text).or_else(|| Some(quotes()));
     }
     file_reference(sink, severity, word, syntax)
 }

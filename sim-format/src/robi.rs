@@ -8,7 +8,7 @@ mod whole;
 use super::Span;
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::line::{self, Line, Quantity, Word};
+use super::line::{self, Line, Quantity, SingleKeywords, Word};
 use super::spec::{DriveKind, DriveSpec, MotorSpec, RobiSpec, WheelSpec};
 use super::used_names::UsedNames;
 use body::values_of;
@@ -47,6 +47,7 @@ struct Reader {
     robi: RobiSpec,
     /// Names and numbers of the PSDs.
     psds: UsedNames,
+    single: SingleKeywords,
     /// Span of the first keyword of the file.
     first_keyword: Option<Span>,
     /// Span of the line of the driven wheels.
@@ -68,6 +69,7 @@ impl Reader {
             dialect,
             robi: RobiSpec::with_defaults(file),
             psds: UsedNames::default(),
+            single: SingleKeywords::default(),
             first_keyword: None,
             wheel_line: None,
             is_wheel_read: false,
@@ -79,8 +81,15 @@ impl Reader {
     }
 
     fn line(&mut self, line: &Line<'_>, first: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some((keyword, line)) = line::without_equals_sign(&KEYWORDS, first, rest) {
+            let message = format!("`=` follows the keyword `{keyword}`");
+            self.sink.warn(Code::RobiKeyword, first.span, message, keyword_syntax()).suggestion =
+                Some(format!("write `{line}`"));
+            return;
+        }
         if KEYWORDS.contains(&first.text) {
             self.first_keyword.get_or_insert(first.span);
+            self.check_single(first, rest);
         }
         match first.text {
             "name" => self.name(line, first, rest),
@@ -106,6 +115,17 @@ impl Reader {
             "wheel" => self.wheel(first, rest),
             "drive" => self.drive(first, rest),
             _ => self.unknown(first),
+        }
+    }
+
+    /// Warns about a second line with a keyword; a car has an `axel` and a `wheel` for each of both axles.
+    fn check_single(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        match (first.text, rest.first().map(|word| word.text)) {
+            ("psd" | "collider", _) => {}
+            ("axel" | "wheel", Some(axle @ ("drive" | "turn"))) => {
+                self.single.add(&mut self.sink, &format!("{} {axle}", first.text), first.span);
+            }
+            _ => self.single.add(&mut self.sink, first.text, first.span),
         }
     }
 
@@ -155,8 +175,8 @@ impl Reader {
     /// Warns about words after the first `count` values of a keyword.
     fn warn_extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = rest.get(count) {
-            let message = format!("`{}` is left over after the {count} values of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
+            let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax).suggestion = line::comment_hint(extra.text);
         }
     }
 
@@ -224,7 +244,9 @@ impl Reader {
         let syntax = if names_axle { VR_WHEEL_SYNTAX } else { WHEEL_SYNTAX };
         if values.len() < 4 {
             let message = format!("`wheel` has {} of 4 numbers; defaults are used", values.len());
-            self.sink.warn(Code::RobiWheelArity, span, message, syntax);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.warn(Code::RobiWheelArity, span, message, syntax).suggestion =
+                line::without_commas(line, |words| words.len() == 5);
             return;
         }
         self.warn_extra(keyword, values, 4, syntax);
@@ -257,16 +279,24 @@ impl Reader {
             let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
             self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_SYNTAX);
         }
+        if let Some(twice) = rest
+            .iter()
+            .enumerate()
+            .find_map(|(index, word)| rest[..index].iter().any(|earlier| earlier.text == word.text).then_some(word))
+        {
+            let message = format!("`{}` is named twice", twice.text);
+            self.sink.warn(Code::RobiDeviceTwice, twice.span, message, "another name for each device");
+        }
         let names = if names.len() == default.len() { &names } else { *default };
         let (motors, steering) = motors_and_steering(*kind, names);
         self.robi.drive = DriveSpec { kind: *kind, motors, steering, ..self.robi.drive.clone() };
     }
 
     fn unknown(&mut self, word: &Word<'_>) {
-        let expected = format!("one of {}", KEYWORDS.join(", "));
         let message = format!("unknown keyword `{}`", word.text);
-        let diagnostic = self.sink.warn(Code::RobiKeyword, word.span, message, expected);
-        diagnostic.suggestion = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+        let diagnostic = self.sink.warn(Code::RobiKeyword, word.span, message, keyword_syntax());
+        let nearest = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+        diagnostic.suggestion = line::comment_hint(word.text).or(nearest);
     }
 
     fn finish(mut self) -> (RobiSpec, Vec<Diagnostic>) {
@@ -275,6 +305,10 @@ impl Reader {
         self.derive_values();
         (self.robi, self.sink.finish())
     }
+}
+
+fn keyword_syntax() -> String {
+    format!("one of {}", KEYWORDS.join(", "))
 }
 
 /// Span from a keyword to the last of its values.

@@ -62,7 +62,7 @@ struct Reader {
 
 impl Reader {
     fn read_line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
-        if self.report_equals_sign(first, rest) {
+        if self.report_equals_sign(first, rest) || self.report_comment(first) {
             return;
         }
         match first.text.to_lowercase().as_str() {
@@ -86,17 +86,23 @@ impl Reader {
 
     /// Reports a keyword with `=`, such as `world=box.wld`; returns false if the line has none.
     fn report_equals_sign(&mut self, first: &Word<'_>, rest: &[Word<'_>]) -> bool {
-        let line = std::iter::once(first).chain(rest).map(quoted).collect::<Vec<_>>().join(" ");
-        let Some((keyword, value)) = line.split_once('=').map(|(keyword, value)| (keyword.trim(), value.trim())) else {
+        let Some((keyword, line)) = line::without_equals_sign(&KEYWORDS, first, rest) else {
             return false;
         };
-        if !KEYWORDS.contains(&keyword.to_lowercase().as_str()) {
-            return false;
-        }
         let message = format!("`=` follows the keyword `{keyword}`");
         self.sink.error(Code::SimKeyword, line_span(first, rest), message, KEYWORD_SYNTAX).suggestion =
-            Some(format!("write `{keyword} {value}`"));
+            Some(format!("write `{line}`"));
         true
+    }
+
+    /// Warns about a line that begins with a comment mark of C; returns false for any other line.
+    fn report_comment(&mut self, first: &Word<'_>) -> bool {
+        let hint = line::comment_hint(first.text);
+        if hint.is_some() {
+            let message = format!("unknown keyword `{}`", first.text);
+            self.sink.warn(Code::SimKeyword, first.span, message, KEYWORD_SYNTAX).suggestion = hint.clone();
+        }
+        hint.is_some()
     }
 
     fn read_world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
@@ -140,6 +146,19 @@ impl Reader {
     /// Reads `obj FILE` or `object FILE`, which loads an object type.
     fn read_object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let syntax = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
+        if let Some((name, pose)) = rest.split_first()
+            && matches!(count_numbers(pose), 3 | 4)
+        {
+            let message = format!("`{}` has a name before the pose", keyword.text);
+            let pose: Vec<&str> = pose.iter().map(|word| word.text).collect();
+            let suggestion = match pose.len() {
+                3 => format!("write `{} {}`", name.quoted(), pose.join(" ")),
+                _ => format!("write `object {} {}`", pose.join(" "), name.quoted()),
+            };
+            let span = line_span(keyword, rest);
+            self.sink.warn(Code::SimObjectArity, span, message, syntax).suggestion = Some(suggestion);
+            return;
+        }
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, syntax);
         self.record_version(keyword, "obj");
         self.sim.object_types.extend(path);
@@ -161,12 +180,31 @@ impl Reader {
             self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX);
             return;
         };
+        let name_count = rest.iter().take_while(|word| !is_number(word)).count();
+        let is_robi = |word: &Word<'_>| path::extension(word.text) == "robi";
+        if name_count == 2 && is_robi(program) && !is_robi(robi) {
+            let message = format!("`{}` has its program before the robot file", keyword.text);
+            let words = [program, robi].into_iter().chain(pose).map(Word::quoted).collect::<Vec<_>>().join(" ");
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
+                Some(format!("write `{} {words}`", keyword.text));
+            return;
+        }
+        if let [x, y, phi] = &rest[1..]
+            && [x, y, phi].into_iter().all(is_number)
+        {
+            let message = format!("`{}` names no program", keyword.text);
+            let words = format!("{} PROGRAM {} {} {}", robi.quoted(), x.text, y.text, phi.text);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
+                Some(format!("write `{} {words}`", keyword.text));
+            return;
+        }
         if let [x, y, phi, program] = &rest[1..]
             && [x, y, phi].into_iter().all(is_number)
             && !is_number(program)
         {
             let message = format!("`{}` has its program after the start pose", keyword.text);
-            let [robi, program] = [robi, program].map(quoted);
+            let (robi, program) = if is_robi(program) { (program, robi) } else { (robi, program) };
+            let [robi, program] = [robi, program].map(Word::quoted);
             let pose = format!("{} {} {}", x.text, y.text, phi.text);
             self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
                 Some(match builtin::ROBOTS.iter().find(|name| name.eq_ignore_ascii_case(&robi)) {
@@ -175,7 +213,6 @@ impl Reader {
                 });
             return;
         }
-        let name_count = rest.iter().take_while(|word| !is_number(word)).count();
         if name_count > 2 && count_numbers(&rest[name_count..]) >= 3 {
             let message = format!("`{}` is followed by {name_count} names, not 2", keyword.text);
             let quoted = |words: &[Word<'_>]| {
@@ -192,7 +229,9 @@ impl Reader {
         }
         if matches!(pose.len(), 1 | 2) {
             let message = format!("the start pose of `{}` has {} of 3 numbers", program.text, pose.len());
-            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
+                line::without_commas(line, |words| words.len() == 6);
             return;
         }
         self.warn_of_extra_words(pose, 3, ROBI_SYNTAX);
@@ -220,7 +259,9 @@ impl Reader {
         };
         if pose.len() != 4 {
             let message = format!("`object` has {} of 5 values", rest.len());
-            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_SYNTAX);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_SYNTAX).suggestion =
+                line::without_commas(line, |words| words.len() == 6);
             return;
         }
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
@@ -247,8 +288,7 @@ impl Reader {
     fn read_object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
         let span = line_span(name, rest);
         if rest.len() < 3 {
-            let message = short_pose_message(name, rest.len());
-            self.sink.error(Code::SimPlaceArity, span, message, PLACE_OBJECT);
+            self.report_short_pose(Severity::Error, name, rest, PLACE_OBJECT);
             return;
         }
         self.warn_of_extra_words(rest, 3, PLACE_OBJECT);
@@ -291,8 +331,7 @@ impl Reader {
             return;
         }
         if nearest.is_none() && count_numbers(rest) > 1 {
-            let message = short_pose_message(first, count_numbers(rest));
-            self.sink.report(severity, Code::SimPlaceArity, line_span(first, rest), message, PLACE_NAMED);
+            self.report_short_pose(severity, first, rest, PLACE_NAMED);
             return;
         }
         let message = format!("unknown keyword `{}`", first.text);
@@ -314,8 +353,7 @@ impl Reader {
                 (Some(StartRef::Letter { letter, heading }), &rest[1 + usize::from(has_heading)..])
             }
             None if is_short(rest) => {
-                let message = short_pose_message(name, count_numbers(rest));
-                self.sink.error(Code::SimPlaceArity, span, message, syntax);
+                self.report_short_pose(Severity::Error, name, rest, syntax);
                 return None;
             }
             None if !is_number(&rest[0]) && count_numbers(&rest[1..]) >= 3 => {
@@ -347,11 +385,25 @@ impl Reader {
         Some(RobotLine { kind, program, arguments, start: start?, span, ..RobotLine::default() })
     }
 
+    /// Reports a line whose pose has fewer than three numbers.
+    fn report_short_pose(&mut self, severity: Severity, name: &Word<'_>, rest: &[Word<'_>], syntax: &str) {
+        let count = count_numbers(rest);
+        let missing = if count == 2 { ": the heading phi in degrees is missing" } else { "" };
+        let message = format!("`{}` has {count} of 3 numbers{missing}", name.text);
+        let line = std::iter::once(name).chain(rest);
+        self.sink.report(severity, Code::SimPlaceArity, line_span(name, rest), message, syntax).suggestion =
+            line::without_commas(line, |words| {
+                words.iter().skip(1).take_while(|word| word.parse::<f64>().is_ok()).count() >= 3
+            });
+    }
+
     fn read_marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = line_span(keyword, rest);
         if !matches!(rest.len(), 2 | 5 | 6) {
             let message = format!("`marker` has {} values", rest.len());
-            self.sink.error(Code::SimMarkerArity, span, message, MARKER_SYNTAX);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.error(Code::SimMarkerArity, span, message, MARKER_SYNTAX).suggestion =
+                line::without_commas(line, |words| matches!(words.len(), 3 | 6 | 7));
             return;
         }
         let (coordinates, shades) = rest.split_at(2);
@@ -371,30 +423,17 @@ impl Reader {
     fn warn_of_extra_words(&mut self, words: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = words.get(count) {
             let message = format!("`{}` is left over", extra.text);
-            let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, syntax);
-            if !line::looks_numeric(extra.text) {
-                let suggestion =
-                    "put a file name with blanks between double quotes; `--args` gives a program arguments";
-                diagnostic.suggestion = Some(suggestion.to_owned());
-            }
+            let may_be_name = syntax != PLACE_OBJECT && !line::looks_numeric(extra.text);
+            let suggestion = "put a file name with blanks between double quotes; `--args` gives a program arguments";
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax).suggestion =
+                line::comment_hint(extra.text).or_else(|| may_be_name.then(|| suggestion.to_owned()));
         }
     }
-}
-
-/// Message about a pose with `count` of its three numbers.
-fn short_pose_message(name: &Word<'_>, count: usize) -> String {
-    let missing = if count == 2 { ": the heading phi in degrees is missing" } else { "" };
-    format!("`{}` has {count} of 3 numbers{missing}", name.text)
 }
 
 /// Span of a line, from its first word to its last.
 fn line_span(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(first.span, |last| first.span.to(last.span))
-}
-
-/// Text of a word, between double quotes if it contains blanks.
-fn quoted(word: &Word<'_>) -> String {
-    if word.text.contains(' ') { format!("\"{}\"", word.text) } else { word.text.to_owned() }
 }
 
 fn spanned_text(word: &Word<'_>) -> SpannedText {
@@ -409,7 +448,9 @@ fn is_number(word: &Word<'_>) -> bool {
 /// Returns true if a pose has fewer than three numbers because some are missing, not because one is misspelt.
 fn is_short(pose: &[Word<'_>]) -> bool {
     let count = count_numbers(pose);
-    pose.len() < 3 || count < 3 && !pose[count..3].iter().any(is_number)
+    // Of four words the third is the heading, and the fourth the program.
+    let is_heading = count == 2 && pose.len() > 3 && (line::looks_numeric(pose[2].text) || !pose[2].text.contains('.'));
+    pose.len() < 3 || count < 3 && !is_heading && !pose[count..3].iter().any(is_number)
 }
 
 /// Number of leading words of `words` that are numbers.

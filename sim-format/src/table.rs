@@ -9,6 +9,7 @@ use super::Span;
 use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use super::line::{self, Quantity};
+use super::scene::DRAWS;
 use super::spec::SpannedText;
 use super::{builtin, path, sim};
 
@@ -23,6 +24,8 @@ pub(super) struct Reader {
     /// Length of the byte order mark.
     offset: usize,
     line_starts: Vec<usize>,
+    /// Parts of the text that are not TOML.
+    syntax_errors: Vec<Range<usize>>,
 }
 
 /// A table; records the keys that have been looked up.
@@ -58,13 +61,14 @@ impl Reader {
     pub(super) fn parse<'t>(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
         let byte_count = text.len();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let (root, errors) = DeTable::parse_recoverable(text);
         let mut reader = Self {
             sink: Sink::new(file),
             line_starts: line::line_starts(text),
             offset: byte_count - text.len(),
             text: text.to_owned(),
+            syntax_errors: errors.iter().filter_map(toml::de::Error::span).collect(),
         };
-        let (root, errors) = DeTable::parse_recoverable(text);
         if let Some(span) = first_sim_word(text).filter(|_| !errors.is_empty()) {
             let expected = "TOML: `key = value` lines and `[section]` lines";
             let diagnostic = reader.sink.error(Code::TomlSyntax, span, "the file is a sim file, and no TOML", expected);
@@ -76,7 +80,9 @@ impl Reader {
         for error in errors {
             let span = reader.span(error.span().unwrap_or(0..0));
             let expected = "TOML: `key = value` lines and `[section]` lines";
-            reader.sink.error(Code::TomlSyntax, span, error.message().trim(), expected);
+            let written = error.span().and_then(|span| text.get(span)).unwrap_or_default();
+            reader.sink.error(Code::TomlSyntax, span, error.message().trim(), expected).suggestion =
+                line::number_hint(written);
         }
         (reader, root.into_inner())
     }
@@ -427,9 +433,19 @@ impl Reader {
         }
     }
 
+    /// Reports a value of a wrong type, unless it is the guess for a part that is not TOML.
     pub(super) fn wrong_type(&mut self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
+        let span = value.span();
+        if self.syntax_errors.iter().any(|error| error.start < span.end && span.start < error.end) {
+            return;
+        }
         let message = format!("`{key}` is of type {}", value.get_ref().type_str());
-        self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
+        let draw = match value.get_ref() {
+            DeValue::Table(table) => table.keys().find_map(|key| line::nearest(key.get_ref(), DRAWS)),
+            _ => None,
+        };
+        self.sink.error(Code::TomlType, self.span(span), message, expected).suggestion =
+            draw.map(|key| format!("write `{key}`"));
     }
 
     pub(super) fn unknown_keys(&mut self, section: &Section<'_, '_>) {

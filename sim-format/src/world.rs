@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
-use super::line::{self, Quantity, Word};
+use super::line::{self, Quantity, SingleKeywords, Word};
 use super::spec::{DEFAULT_WALL_HEIGHT, MAX_LENGTH, StartSpec, WallSpec, WorldSpec};
 use crate::path;
 use sim_core::pose::Pose;
@@ -26,6 +26,7 @@ pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
         width: None,
         height: None,
         has_wrong_size: false,
+        single: SingleKeywords::default(),
         frames: vec![Pose::default()],
     };
     for line in line::lines(text) {
@@ -44,12 +45,22 @@ struct Reader {
     height: Option<f64>,
     /// True if a line with the size of the floor has a mistake.
     has_wrong_size: bool,
+    single: SingleKeywords,
     /// World poses of the open frames, the world frame first.
     frames: Vec<Pose>,
 }
 
 impl Reader {
     fn read_line(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some((keyword, line)) = line::without_equals_sign(&KEYWORDS, first, rest) {
+            let message = format!("`=` follows the keyword `{keyword}`");
+            self.sink.warn(Code::WldKeyword, first.span, message, KEYWORD_SYNTAX).suggestion =
+                Some(format!("write `{line}`"));
+            return;
+        }
+        if matches!(first.text, "floor" | "width" | "height" | "floor_texture" | "water") {
+            self.single.add(&mut self.sink, first.text, first.span);
+        }
         match first.text {
             "floor" => self.read_floor(first, rest),
             "width" => self.width = self.read_side(first, rest, Code::WldWidthArity).or(self.width),
@@ -77,12 +88,14 @@ impl Reader {
         if rest.len() < N {
             let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
             let message = format!("`{}` has {} of {N} numbers", keyword.text, rest.len());
-            self.sink.warn(code, span, message, syntax);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.warn(code, span, message, syntax).suggestion =
+                line::without_commas(line, |words| words.len() == 1 + N);
             return None;
         }
         if let Some(extra) = rest.get(N) {
-            let message = format!("`{}` is left over after the {N} numbers of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
+            let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax).suggestion = line::comment_hint(extra.text);
         }
         line::numbers(&mut self.sink, Severity::Warning, &rest[..N], quantities)
     }
@@ -142,7 +155,8 @@ impl Reader {
     fn read_pop(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         if let Some(extra) = rest.first() {
             let message = format!("`{}` is left over after `pop`", extra.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, "`pop` alone");
+            self.sink.warn(Code::WordExtra, extra.span, message, "`pop` alone").suggestion =
+                line::comment_hint(extra.text);
         }
         if self.frames.len() > 1 {
             self.frames.pop();
@@ -159,18 +173,13 @@ impl Reader {
                 Some(word) => format!("a wall of {count} numbers and the word `{}`; the line is left out", word.text),
                 None => format!("a wall of {count} numbers; the line is left out"),
             };
-            let separated = words.iter().map(|word| word.text.replace([',', ';'], " ")).collect::<Vec<_>>().join(" ");
-            let has_separators = words.iter().any(|word| word.text.contains([',', ';']));
-            let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_SYNTAX);
-            if has_separators && matches!(separated.split_whitespace().count(), 4 | 6 | 9) {
-                let numbers = separated.split_whitespace().collect::<Vec<_>>().join(" ");
-                diagnostic.suggestion = Some(format!("write `{numbers}`: blanks separate numbers"));
-                return;
-            }
-            if let ([x, y, phi], 3) = (words, count) {
-                let push = format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text);
-                diagnostic.suggestion = Some(push);
-            }
+            let push = match (words, count) {
+                ([x, y, phi], 3) => Some(format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text)),
+                _ => None,
+            };
+            let comment = || words.get(count).and_then(|word| line::comment_hint(word.text));
+            self.sink.warn(Code::WldWallArity, span, message, WALL_SYNTAX).suggestion =
+                line::without_commas(words, |words| matches!(words.len(), 4 | 6 | 9)).or(push).or_else(comment);
             return;
         }
         let quantities = &WALL[..words.len()];
@@ -204,16 +213,15 @@ impl Reader {
     }
 
     fn report_unknown(&mut self, word: &Word<'_>, rest: &[Word<'_>]) {
-        let expected =
-            "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop";
         let message = format!("unknown keyword `{}`", word.text);
-        let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, expected);
+        let diagnostic = self.sink.warn(Code::WldKeyword, word.span, message, KEYWORD_SYNTAX);
         let is_wall =
             word.text.eq_ignore_ascii_case("wall") && rest.first().is_some_and(|it| line::looks_numeric(it.text));
         diagnostic.suggestion = if is_wall {
             Some("write the wall's numbers without the word `wall`".to_owned())
         } else {
-            line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"))
+            let nearest = line::nearest(word.text, KEYWORDS).map(|keyword| format!("write `{keyword}`"));
+            line::comment_hint(word.text).or(nearest)
         };
     }
 
@@ -229,22 +237,30 @@ impl Reader {
 
     fn finish(mut self) -> (WorldSpec, Vec<Diagnostic>) {
         let (_, extent) = self.world.bounds();
+        // The floor of walls that are all on one axis is a square.
+        let extent = if extent.min_element() > 0.0 { extent } else { DVec2::splat(extent.max_element()) };
         self.world.floor = DVec2::new(self.width.unwrap_or(extent.x), self.height.unwrap_or(extent.y));
-        if (self.width.is_none() || self.height.is_none()) && !self.has_wrong_size {
+        if self.world.floor.min_element() <= 0.0 && !self.has_wrong_size {
+            let message = "the size of the floor is not given, and there are no walls to take it from";
+            self.sink.error(Code::WldFloorMissing, Default::default(), message, FLOOR_SYNTAX);
+        } else if (self.width.is_none() || self.height.is_none()) && !self.has_wrong_size {
             let (width, height) = (self.world.floor.x * 1000.0, self.world.floor.y * 1000.0);
             let message =
                 format!("the size of the floor is not given; taken from the walls: {width:.0} x {height:.0} mm");
-            let expected = "`floor WIDTH HEIGHT`, or `width WIDTH` and `height HEIGHT`, in mm";
-            self.sink.warn(Code::WldFloorMissing, Default::default(), message, expected);
+            self.sink.warn(Code::WldFloorMissing, Default::default(), message, FLOOR_SYNTAX);
         }
         (self.world, self.sink.finish())
     }
 }
 
+const KEYWORD_SYNTAX: &str =
+    "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop";
 const WALL_SYNTAX: &str =
     "`X1 Y1 X2 Y2`, `X1 Y1 X2 Y2 THICKNESS HEIGHT` or `X1 Y1 X2 Y2 THICKNESS HEIGHT RED GREEN BLUE`, lengths in mm";
 
 const POSE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::angle("phi")];
+
+const FLOOR_SYNTAX: &str = "`floor WIDTH HEIGHT`, or `width WIDTH` and `height HEIGHT`, in mm";
 
 const WALL: [Quantity; 9] = [
     Quantity::coordinate("x of the wall's first end"),

@@ -14,7 +14,7 @@ use sim_format::{
 
 /// Codes that a text alone cannot cause: they require bytes that are not UTF-8, an image, a folder, thousands of lines
 /// or robots, a program, a conversion or the functions of RoBIOS.
-const WITHOUT_EXAMPLE: [Code; 20] = [
+const WITHOUT_EXAMPLE: [Code; 19] = [
     Code::CheckFunction,
     Code::CheckProgram,
     Code::ConvertKind,
@@ -22,7 +22,6 @@ const WITHOUT_EXAMPLE: [Code; 20] = [
     Code::ConvertMaze,
     Code::CostFunction,
     Code::FileEncoding,
-    Code::FileKind,
     Code::FileMore,
     Code::FileUnreadable,
     Code::FolderEmpty,

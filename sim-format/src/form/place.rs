@@ -175,6 +175,9 @@ impl Reader {
         let has_count = section.has("count");
         let count = self.integer(section, "count", 1, i64::from(MAX_ROBOTS)).map(|count| count as u32);
         if has_count && count.is_none() {
+            for key in ["x_mm", "y_mm", "heading_deg", "start", "layout"] {
+                section.get(key);
+            }
             return None;
         }
         if section.has("layout") {

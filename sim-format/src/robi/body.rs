@@ -81,12 +81,13 @@ pub(super) fn values_of<const N: usize>(
 ) -> Option<[f64; N]> {
     if words.len() < N {
         let message = format!("`{keyword}` has {} of {N} numbers", words.len());
-        sink.warn(Code::RobiNumberMissing, span, message, syntax);
+        sink.warn(Code::RobiNumberMissing, span, message, syntax).suggestion =
+            line::without_commas(words, |words| words.len() == N);
         return None;
     }
     if let Some(extra) = words.get(N) {
-        let message = format!("`{}` is left over after the {N} numbers of `{keyword}`", extra.text);
-        sink.warn(Code::WordExtra, extra.span, message, syntax);
+        let message = format!("`{}` is left over after the values of `{keyword}`", extra.text);
+        sink.warn(Code::WordExtra, extra.span, message, syntax).suggestion = line::comment_hint(extra.text);
     }
     line::numbers(sink, Severity::Warning, &words[..N], quantities)
 }

@@ -29,7 +29,9 @@ impl Reader {
         let (expected_count, syntax) = if has_id_first { (8, VR2022_PSD_SYNTAX) } else { (6, PSD_SYNTAX) };
         if rest.len() < 5 || has_id_first && rest.len() < 8 {
             let message = format!("`psd` has {} of {expected_count} values", rest.len());
-            self.sink.warn(Code::RobiPsdArity, span, message, syntax);
+            let line = std::iter::once(keyword).chain(rest);
+            self.sink.warn(Code::RobiPsdArity, span, message, syntax).suggestion =
+                line::without_commas(line, |words| matches!(words.len(), 6 | 7 | 9));
             return;
         }
         self.warn_extra(keyword, rest, expected_count, syntax);
@@ -54,7 +56,7 @@ impl Reader {
             Some((_, Ok(id))) => Some(id),
             Some((word, Err(_))) => {
                 let message = format!("`{}` is not a device number", word.text);
-                self.sink.warn(Code::RobiPsdId, word.span, message, syntax);
+                self.sink.warn(Code::RobiPsdId, word.span, message, syntax).suggestion = line::number_hint(word.text);
                 return;
             }
         };
@@ -95,6 +97,20 @@ impl Reader {
             let id = psd.id.map_or("no number".to_owned(), |id| format!("the number {id}"));
             let message = format!("`{}` has {id}: EyeSim VR numbers its PSDs 1, 2, 3, ...", psd.name);
             self.sink.warn(Code::RobiPsdOrder, psd.span, message, format!("the number {number} here"));
+        }
+    }
+
+    /// Warns about a PSD without a number whose x continues the number of the PSD above: it is probably its number, and
+    /// another value is missing.
+    pub(super) fn check_psd_numbers(&mut self) {
+        let continues = |above: &PsdSpec, psd: &PsdSpec| {
+            let x_mm = unit::mm_from_metres(psd.position.x);
+            psd.id.is_none() && above.id.is_some_and(|id| ((x_mm - f64::from(id)).abs() - 1.0).abs() < 1e-6)
+        };
+        if let Some(pair) = self.robi.psds.windows(2).find(|pair| continues(&pair[0], &pair[1])) {
+            let psd = &pair[1];
+            let message = format!("`psd` has 5 of 6 values: `{}` is read without a number", psd.name);
+            self.sink.warn(Code::RobiPsdArity, psd.span, message, PSD_SYNTAX);
         }
     }
 

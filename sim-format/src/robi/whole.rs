@@ -39,6 +39,7 @@ impl Reader {
             self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_SYNTAX);
         }
         if self.dialect < Dialect::Vr2017 {
+            self.check_psd_numbers();
             return;
         }
         if let (Some(first), Some(drive)) = (self.first_keyword, self.drive_line)

@@ -23,7 +23,7 @@ use sim_core::RobotId;
 use sim_core::noise::{Purpose, Stream, name_key};
 
 /// Keys that make a table a draw.
-const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze"];
+pub(crate) const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze"];
 
 /// Lists of a scene whose entries have paths and may be repeated.
 const LISTS: [&str; 6] = ["robot", "object", "marker", "world.wall", "world.object", "world.start"];
@@ -35,8 +35,8 @@ const MAX_MAZE_SIDE: i64 = 200;
 /// reported.
 const MAX_TRIES: u32 = 1000;
 
-/// Any finite number.
-const ANY_NUMBER: Quantity = Quantity::number("number", -1e300, 1e300);
+/// Number of a draw. Our choice of the bounds, beyond those of all values that can be drawn.
+const ANY_NUMBER: Quantity = Quantity::number("number", -1e12, 1e12);
 
 /// Origin of the drawn values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -333,7 +333,7 @@ impl<'i> DrawPass<'_, 'i> {
 
     /// Normally distributed number, truncated at its limits.
     fn normal(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {
-        let spread = Quantity::number("standard deviation", 0.0, 1e300);
+        let spread = Quantity::number("standard deviation", 0.0, 1e12);
         let [mean, sigma] = self.reader.numbers(section, "normal", &[ANY_NUMBER, spread])?;
         let [min, max] = ["min", "max"].map(|key| (section.has(key), self.reader.number(section, key, &ANY_NUMBER)));
         if [min, max].iter().any(|(is_given, value)| *is_given && value.is_none()) {

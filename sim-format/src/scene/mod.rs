@@ -19,7 +19,7 @@ use super::set::Setting;
 use super::spec::{CostTable, RobotLine, SceneFormat, SimSpec, StartRef};
 use super::table::{Reader, Section, has_top_key};
 use super::{Span, path};
-pub(super) use draw::Draw;
+pub(super) use draw::{DRAWS, Draw};
 pub(super) use free_space::FreeSpace;
 pub(super) use reach::is_reachable;
 use sim_core::RobotId;

@@ -29,6 +29,9 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::FileEncoding, "a.wld", "floor 1 1\n; \u{fffd}"),
     (Code::FileNameMissing, "a.wld", "floor 1 1\nfloor_texture\n"),
     (Code::FileNameMissing, "a.sim", "world\n"),
+    (Code::KeywordTwice, "a.wld", "floor 1 1\nfloor 2 2\n"),
+    (Code::KeywordTwice, "a.esObj", "mass 1\nsphere 0 0 0 5\nsphere 0 0 0 6\nmass 2\n"),
+    (Code::KeywordTwice, "a.robi", "diameter 180\ndiameter 90\n"),
     (
         Code::LinkCycle,
         "a.toml",
@@ -70,6 +73,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::RobiCameraServo, "a.robi", "camera 0 0 0 SERVO1(-90) 0\n"),
     (Code::RobiColliderKind, "a.robi", "diameter 180\ndrive DIFFERENTIAL_DRIVE\ncollider boxx 1 2 3 4 5 6\ncollider\n"),
     (Code::RobiDeviceTwice, "a.robi", "psd PSD_A 1 0 0 0 0\npsd PSD_B 1 0 0 0 0\n"),
+    (Code::RobiDeviceTwice, "a.robi", "drive DIFFERENTIAL_DRIVE M Q M P\n"),
     (Code::RobiDeviceTwice, "a.toml", "[[servo]]\nname = \"S\"\n[[servo]]\nname = \"S\"\n"),
     (Code::RobiDeviceTwice, "a.toml", "[[laser]]\nname = \"S\"\n[[sonar]]\nname = \"S\"\n"),
     (Code::RobiDeviceTwice, "a.toml", "[lidar]\n[[sonar]]\nname = \"LIDAR\"\n"),
@@ -78,6 +82,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::RobiDriveKind, "a.robi", "drive DIFERENTIAL_DRIVE A B C D\ndrive differential\n"),
     (Code::RobiDriveMissing, "a.robi", ""),
     (Code::RobiKeyword, "a.robi", "diamter 180\nRobi file:\n"),
+    (Code::RobiKeyword, "a.robi", "speed = 300\n// none\nturn 300 // fast\n"),
     (Code::RobiNameMissing, "a.robi", "name ; nobody\n"),
     (Code::RobiNameReserved, "a.robi", "drive DIFFERENTIAL_DRIVE\nname \"S4\"\ndiameter 180\n"),
     (Code::RobiNumberMissing, "a.robi", "speed\n"),
@@ -87,6 +92,8 @@ const MISTAKES: &[(Code, &str, &str)] = &[
         "drive OMNI_DRIVE\ndiameter 9\nmass 2\ncollider box 1 2 3\nlidar\nfisheye\naxel turn 3\n",
     ),
     (Code::RobiPsdArity, "a.robi", "psd PSD_FRONT 1 2 3\n"),
+    (Code::RobiPsdArity, "a.robi", "psd A 1 0 0 0 0\npsd B 2 60 20 30\n"),
+    (Code::RobiPsdArity, "a.robi", "psd A,1,0,0,0,0\npsd B 1, 0 0 0 0\nwheel 54,3600,1100,90\n"),
     (Code::RobiPsdArity, "a.robi", "diameter 180\npsd 1 PSD_FRONT 1 2 3 4\n"),
     (Code::RobiPsdId, "a.robi", "psd PSD_FRONT one 1 2 3 4\n"),
     (Code::RobiPsdName, "a.robi", "psd 1 2 3 4 5 6\n"),
@@ -110,15 +117,24 @@ const MISTAKES: &[(Code, &str, &str)] = &[
         "a.sim",
         "S4 100 200\nLabBot\nS4 1 2 a.py\ncan 5 5\nSign 100 100\nS4 1 x y\nS4 a.c 500 500 0\nS4 Goal 5 5 0 a.c\n",
     ),
+    (
+        Code::SimPlaceArity,
+        "a.sim",
+        "S4 500,500,90 a.c\ncan 800,800,0\nLabBot 5,5 0 a.c\nS4 5 5 north a.c\nS4 5 5 \u{2013}90\n",
+    ),
+    (Code::SimMarkerArity, "a.sim", "marker 700 500 255,0,0\n"),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\nfloor 2000 2000\n"),
+    (Code::SimKeyword, "a.sim", "// S4 5 5 0\n//S4 5 5 0\n/* none */\nS4 5 5 0 a.c // north\nworld a.wld // box\n"),
     (Code::SimKeyword, "a.sim", "world=a.wld\nrobi = \"my bot.robi\" a.so\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
+    (Code::SimObjectArity, "a.sim", "object can 8 8 0\nobject can.ms3d 8 8 0 0.1\ncan 8 8 0 red\n"),
     (
         Code::SimRobiArity,
         "a.sim",
         "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\nrobot a.robi 1 2 3 a.so\nrobi s4 1 2 3 a.so\n",
     ),
+    (Code::SimRobiArity, "a.sim", "robi a.c a.robi 5 5 0\nrobi a.c 5 5 0 a.robi\nrobi a.robi 5 5 0\n"),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
     (
         Code::TomlKey,
@@ -139,11 +155,16 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     ),
     (Code::TomlMissing, "a.toml", "[[bumper]]\nid = 3\nfrom_deg = 1\n"),
     (Code::TomlSyntax, "a.toml", "[drive\nwheelbase_mm = = 3\n"),
+    (Code::TomlSyntax, "a.toml", "[drive]\nwheel_lag_ms = 50ms\n"),
     (Code::TomlType, "a.toml", "psd = 3\n[drive]\nwheel_lag_ms = \"fast\"\n[hdt]\nMOTOR_LEFT = 1.5\n"),
     (Code::WldFloorArity, "a.wld", "floor 1000\n"),
+    (Code::WldFloorArity, "a.wld", "floor 2000,3000\npush 1,2,3\n"),
     (Code::WldFloorMissing, "a.wld", "0 0 10 10\n"),
+    (Code::WldFloorMissing, "a.wld", "0 0 10 0\n"),
+    (Code::WldFloorMissing, "a.wld", "; nothing\n"),
     (Code::WldHeightArity, "a.wld", "width 10\nheight\n"),
     (Code::WldKeyword, "a.wld", "floor 1 1\nush 1 2 3\nbanana\n"),
+    (Code::WldKeyword, "a.wld", "floor = 1 1\nFloor=2 2\n// none\n0 0 1 1 // wall 2\npop // all\n"),
     (Code::WldPopEmpty, "a.wld", "floor 1 1\npop\n"),
     (Code::WldPositionArity, "a.wld", "floor 1 1\nposition 1 2\n"),
     (Code::WldPushArity, "a.wld", "floor 1 1\npush\n0 0 1 1\npop\n"),
@@ -160,6 +181,8 @@ const MISTAKES: &[(Code, &str, &str)] = &[
 const SCENES: &[(Code, &str)] = &[
     (Code::FileCase, "world W.WLD\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMissing, "world u.wld\nrobi S4.robi p.so 1 1 0\n"),
+    (Code::FileKind, "world S4.robi\nrobi v.wld p.so 1 1 0\nobject m.maz\n"),
+    (Code::FileMissing, "world w.wld\nrobi S4 p.so 1 1 0\n"),
     (Code::FileMissing, "world w.wld\nrobi %sim%/S5.robi p.so 1 1 0\n"),
     (Code::FileMoved, "world C:\\x\\w.wld\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMoved, "world ../../worlds/small/w.wld\nrobi ..\\S4.robi p.so 1 1 0\n"),
@@ -269,7 +292,7 @@ fn all_kinds_of_mistakes_match_snapshots() {
 
 #[test]
 fn number_of_diagnostics_is_limited() {
-    let (_, diagnostics) = read_world("a.wld", &"floor 1 1\nx\n0 0 inf 0\n".repeat(1000));
+    let (_, diagnostics) = read_world("a.wld", &format!("floor 1 1\n{}", "x\n0 0 inf 0\n".repeat(1000)));
     assert_eq!(diagnostics.len(), 1001);
     let last = diagnostics.last().expect("a last one");
     assert_eq!((last.code, last.severity), (Code::FileMore, Severity::Error));

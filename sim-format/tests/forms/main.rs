@@ -482,6 +482,20 @@ fn invalid_scenes_are_reported() {
 }
 
 #[test]
+fn a_mistake_has_one_message_and_a_suggestion() {
+    let reported = |robot: &str| {
+        let text = format!("[world]\nfloor_mm = [4000, 3000]\n[[robot]]\ntype = \"S4\"\ny_mm = 500\n{robot}\n");
+        let reported = read_scene("a.scene.toml", &text).1;
+        reported.into_iter().map(|it| (it.code, it.suggestion)).collect::<Vec<_>>()
+    };
+    let write = |text: &str| Some(format!("write `{text}`"));
+    assert_eq!(reported("x_mm = 500mm"), [(Code::TomlSyntax, write("500"))]);
+    assert_eq!(reported("x_mm = { unifrom = [1, 2] }"), [(Code::TomlType, write("uniform"))]);
+    assert_eq!(reported("x_mm = 500\ncount = 0"), [(Code::NumberRange, None)]);
+    assert_eq!(reported("x_mm = 500\ncount = 2.0"), [(Code::TomlType, None)]);
+}
+
+#[test]
 fn mistakes_in_a_drawn_maze_have_their_own_lines() {
     let text = "[world]\nmaze = '''\n _ _\n|?  |\n|_ _|\n'''\n";
     let reported = read_scene("a.scene.toml", text).1;
