@@ -108,7 +108,7 @@ pub enum BuildError {
         /// Functions called that only the other generation has.
         functions: Vec<String>,
         /// Error of the compilation.
-        error: CompileError,
+        error: Box<CompileError>,
     },
     /// A Cargo package cannot be built into a program.
     #[error(transparent)]
@@ -494,7 +494,7 @@ fn try_both_generations<T>(
         }
         Err(BuildError::Compile(error)) => Err(match choice.reason {
             ChoiceReason::Stated(functions) if !functions.is_empty() => {
-                BuildError::WrongGeneration { stated: choice.generation, functions, error }
+                BuildError::WrongGeneration { stated: choice.generation, functions, error: Box::new(error) }
             }
             _ => BuildError::Compile(error),
         }),

@@ -255,7 +255,7 @@ fn a_removed_robot_sends_no_more_and_keeps_its_pose_and_outcome() {
         let world = "[world]\nfloor_mm = [4000, 4000]\n[radio]\nmedium = \"aloha\"\nbaud = 300\n";
         let text = format!("{world}{}{}{fault}", robot(program, 500), robot("count.c", 1500));
         scratch.write("radio.scene.toml", &text);
-        write_hand(&scratch, &[(1.0, remove_robot(1))]);
+        write_interventions(&scratch, &[(1.0, remove_robot(1))]);
         let report = scratch.report("radio.scene.toml", &["--repeat", "hand.jsonl", "--until", "5"], 0);
         let [removed, counts] = [0, 1].map(|index| report["robots"][index].clone());
         let lcd = counts["lcd"][0].as_str().unwrap_or_default().to_owned();

@@ -229,7 +229,7 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: bodies.robots.iter().map(robot).collect(),
             objects: bodies.objects.iter().map(object).collect(),
-            workshop: addable_types(run.spawner().roster()),
+            addable_types: addable_types(run.spawner().roster()),
         };
         self.window.show_scene(input.scene());
         self.bodies = Some(bodies);

@@ -90,7 +90,7 @@ impl Content {
             Posture | Footfall => Self::Walk,
             RadioSent | RadioArrived | RadioLost | RadioReceived => Self::Radio,
             Placed | ObjectPlaced | Intervention => Self::Intervention,
-            ProgramStarted | ProgramEnded | Stdout | Stderr | Fault | Reason | Hint => Self::Log,
+            ProgramStarted | ProgramEnded | Stdout | Stderr | ProgramFailed | Reason | Hint => Self::Log,
         })
     }
 
