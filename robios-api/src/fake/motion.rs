@@ -169,7 +169,7 @@ impl Motion {
         self.piece(now_us).end_us().filter(|end| *end > now_us)
     }
 
-    /// Returns true if the current piece of motion has no length, as that of a turn on the spot.
+    /// Returns true if the current piece of motion has no length, as in a turn on the spot.
     pub fn is_turn(&self, now_us: u64) -> bool {
         self.piece(now_us).length == 0.0
     }
