@@ -205,7 +205,7 @@ mod tests {
         // The parts are 0.02, 0.03 and 0.0225 at 0.5 m, and 0.02, 0.12 and 0.36 at 2 m.
         assert!((model.sigma_at(0.5) - 0.042_5).abs() < 1e-15, "{}", model.sigma_at(0.5));
         assert!((model.sigma_at(2.0) - 0.38).abs() < 1e-15, "{}", model.sigma_at(2.0));
-        assert_eq!(RangeNoise { sigma_per_m: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "to the bit");
+        assert_eq!(RangeNoise { sigma_per_m: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "bit-identical");
     }
 
     #[test]
