@@ -396,7 +396,7 @@ fn what_python_2_wrote_is_answered_by_what_python_3_writes() {
 }
 
 #[test]
-fn a_file_that_open_does_not_find_is_answered_by_its_folder_and_name() {
+fn a_file_that_open_does_not_find_is_reported_with_its_folder_and_name() {
     if !has_python() {
         return;
     }

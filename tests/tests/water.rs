@@ -106,7 +106,7 @@ fn programs_learn_that_thrusters_have_no_speeds_and_no_encoders() {
     );
     scratch.write("bump.scene.toml", &table("water_mm = 2000"));
     let ran = scratch.eyesim(&["run", "bump.scene.toml"]);
-    assert!(ran.stderr.contains("thrusters are driven by their motors alone"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("thrusters can be driven only by their motors"), "{}", ran.stderr);
     assert!(ran.stderr.contains("`ENCODERRead`: `Mako` has no device of this kind"), "{}", ran.stderr);
 }
 

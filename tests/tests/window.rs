@@ -499,7 +499,7 @@ fn a_page_that_comes_after_the_end_gets_the_colour_display() {
 }
 
 #[test]
-fn a_page_that_comes_late_gets_the_last_layer() {
+fn a_page_that_connects_late_gets_the_last_layer() {
     let scratch = scene_of(&[("mapper.c", MAPPER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);
     let look = |page: &mut Page| page.send(&Request::Look { robot: Some(1), camera: false, calls: false });

@@ -156,7 +156,7 @@ impl Mistake {
             Self::MissingWait => "a drive replaces the previous one, which has just begun",
             Self::UnknownAddress => "a message to an address that no robot has",
             Self::NotOpen(_) => "a handle that is not open",
-            Self::IgnoredFailure => "a function keeps failing: look at what it returns",
+            Self::IgnoredFailure => "a function keeps failing: check its return value",
         }
     }
 }
