@@ -80,6 +80,7 @@ static struct exit_point *exit_point_of_flow(void)
             self.call_site.address = exit_point_->task->site;                                                           \
             status = self.host->support->name(self.robot, __VA_ARGS__);                                                 \
             self.exit_point = exit_point_;                                                                              \
+            self.call_site.address = AFTER_CALL(exit_point_->task->site);                                               \
         }                                                                                                               \
     } while (0)
 
@@ -138,10 +139,12 @@ static int32_t wake_all(const void *key)
 static void yield_if_due(void)
 {
     int32_t status, result;
+    const void *site = self.call_site.address;
     if (other_tasks == 0)
         return;
-    this_task()->site = self.call_site.address;
+    this_task()->site = site;
     TASK_CALL(status, task_turn, &result);
+    self.call_site.address = site;
     if (status == EYESIM_STOP)
         stop();
 }

@@ -186,12 +186,15 @@ static int reaches_host(void)
     return 0;
 }
 
+/* Call site after the call: within the call instruction, so that no return address left on the stack passes for the call
+ * in progress. */
+#define AFTER_CALL(site) ((const char *)(site) - 1)
+
 /* Runs after each call. Tasks switch only inside calls, so `exit_point` belongs to the task that continues. */
-static void returned(int32_t status, struct exit_point *exit_point)
+static void returned(int32_t status, struct exit_point *exit_point, const void *site)
 {
     self.exit_point = exit_point;
-    /* Within the call instruction, so that no return address left on the stack passes for the call in progress. */
-    self.call_site.address = (const char *)self.call_site.address - 1;
+    self.call_site.address = AFTER_CALL(site);
     if (status == EYESIM_STOP || is_cancelled())
         stop();
 }
@@ -201,7 +204,7 @@ static void returned(int32_t status, struct exit_point *exit_point)
         if (reaches_host()) {                                                                                           \
             struct exit_point *exit_point_ = self.exit_point;                                                           \
             self.call_site.address = __builtin_return_address(0);                                                       \
-            returned(self.host->table->name(self.robot, __VA_ARGS__), exit_point_);                                     \
+            returned(self.host->table->name(self.robot, __VA_ARGS__), exit_point_, __builtin_return_address(0));        \
         }                                                                                                               \
     } while (0)
 #if EYESIM_ROBIOS == 7

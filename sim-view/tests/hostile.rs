@@ -165,7 +165,7 @@ fn a_missing_page_shows_the_reason() {
 fn malformed_messages_are_refused() {
     let window = local();
     let mut witness = Witness::new(&window);
-    let hello = |client: &mut Client| client.send_json(&json!({ "type": "hello", "protocol": 1, "token": null }));
+    let hello = |client: &mut Client| client.send_json(&json!({ "type": "hello", "protocol": 2, "token": null }));
     let nested = format!("{}{}", "[".repeat(30_000), "]".repeat(30_000));
     let deep = format!(r#"{{"type":"act","number":1,"command":{}}}"#, nested);
     for (text, why) in [
@@ -181,7 +181,7 @@ fn malformed_messages_are_refused() {
         (r#"{"type":"act","number":1,"command":{"command":"run","x":1}}"#, "unknown field `x`"),
         (r#"{"type":"act","number":1,"command":{"command":"speed","factor":1e999}}"#, "number out of range"),
         (r#"{"type":"act","number":1,"command":{"command":"act","action":{"do":"fly"}}}"#, "unknown variant `fly`"),
-        (r#"{"type":"hello","protocol":1,"token":null}"#, "`hello` must be the first message"),
+        (r#"{"type":"hello","protocol":2,"token":null}"#, "`hello` must be the first message"),
         (&nested, "invalid type: sequence"),
         (&deep, "recursion limit exceeded"),
     ] {

@@ -394,7 +394,7 @@ fn printed_metrics_are_in_the_report_and_cannot_pass_a_check() {
     let robot = &report["robots"][0];
     assert_eq!(robot["metrics"], serde_json::json!({"laps": 4.0}));
     let message = report["checks"][0]["message"].as_str().expect("a message");
-    assert!(message.contains("the program prints its metrics itself"), "{message}");
+    assert!(message.contains("checks cannot use metrics that the program itself prints"), "{message}");
     assert!(ran.stderr.contains("`METRIC oops` is not kept: expected `METRIC name=value`"), "{}", ran.stderr);
     assert!(ran.stderr.contains("finished"), "the table: {}", ran.stderr);
     // The robot starts at 500 mm and hits the wall at 2 m.

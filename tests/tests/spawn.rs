@@ -268,4 +268,6 @@ fn a_removed_robot_sends_no_more_and_keeps_its_pose_and_outcome() {
     assert!(outcome == "finished" && (x - 0.8).abs() < 0.01, "{outcome} {x}");
     let (outcome, x, _) = run("forever.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
     assert!(outcome == "halted" && (x - 0.65).abs() < 0.01, "{outcome} {x}");
+    let (outcome, x, _) = run("send.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
+    assert!(outcome == "finished" && (x - 0.65).abs() < 0.01, "{outcome} {x}");
 }

@@ -168,7 +168,7 @@ fn an_endless_loop_after_the_end_of_the_input_names_the_file_that_was_not_opened
     write_scene(&scratch, &["mine.c"]);
     let ran = scratch.eyesim(&["run", "scene.sim", "--timeout", "0.5"]);
     let line = line_with(&ran.stderr, "endless loop");
-    assert!(line.contains("it has not opened a file before: there is no file `map.txt`"), "{ran:#?}");
+    assert!(line.contains("before that it could not open a file: there is no file `map.txt`"), "{ran:#?}");
 }
 
 #[test]

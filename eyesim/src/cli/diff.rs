@@ -157,6 +157,7 @@ fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
     for header in &diff.headers {
         writeln!(text, "{header}")?;
     }
+    let [end_a, end_b] = diff.ends.map(|end| end.map(|end| end.to_string()).unwrap_or_default());
     match &diff.first {
         Some(first) => describe_first(&mut text, first)?,
         None if !diff.compares_events() => {
@@ -164,10 +165,12 @@ fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
                 text,
                 "the slots differ: only the positions of robots at the ends of slots of both runs are compared"
             )?;
+            if diff.ends_differ() {
+                writeln!(text, "A ends at {end_a} and B at {end_b}")?;
+            }
         }
         None if diff.ends_differ() => {
-            let [a, b] = diff.ends.map(|end| end.map(|end| end.to_string()).unwrap_or_default());
-            writeln!(text, "equal events, but A ends at {a} and B at {b}")?;
+            writeln!(text, "equal events, but A ends at {end_a} and B at {end_b}")?;
         }
         None if diff.ends.contains(&None) => {
             writeln!(text, "equal until {}, where a trace breaks off", diff.compared_until)?;

@@ -144,7 +144,8 @@ impl Radio {
         RobotNumber(id.clamp(0, 255) as u8)
     }
 
-    /// Addresses of all robots whose radio is on, including this one.
+    /// Addresses of all robots whose radio is on, including this one. In the slot in which this radio was switched on, waits
+    /// for the end of the slot.
     #[track_caller]
     pub fn robots(&self) -> Vec<RobotNumber> {
         let mut ids = [0_i32; MAX_RADIO_IDS];

@@ -517,7 +517,8 @@ function_table! {
         fn RADIOCheck() -> i32 = 0, c "int RADIOCheck(EYESIM_ANY)";
 
         /// Lists the robots whose radios are on, including this one. IDlist: room for 256 numbers, set to their addresses in
-        /// order of the robots. Returns their number, 0 if the radio of this robot is off or IDlist is NULL.
+        /// order of the robots. In the slot of RADIOInit it waits for the end of the slot; in a timer's function it does not
+        /// wait, and may list only this robot. Returns their number, 0 if the radio of this robot is off or IDlist is NULL.
         fn RADIOStatus(IDlist: OutInts) -> i32 = 0, c "int RADIOStatus(int IDlist[])";
 
         /// Switches the radio off: messages that wait or are in transit are lost. Returns 0, 1 if it is off.

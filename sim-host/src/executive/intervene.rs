@@ -134,9 +134,9 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
     RunEffect { robots: effect.robots, removed, ..RunEffect::default() }
 }
 
-/// Stops the motors of a robot whose program has not ended.
+/// Stops the motors of a robot with a program, which run on after a program of RoBIOS-7 has ended.
 fn halt(robot: &mut Robot, has_program: bool, at: Time, world: &World) {
-    if has_program && robot.ending.is_none() {
+    if has_program {
         robot.now = robot.now.max(at);
         robot.halt(world);
     }

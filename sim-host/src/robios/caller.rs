@@ -337,12 +337,12 @@ impl<F: Flow> Caller<F> {
 
     /// Fails the program: `call`, made at `site`, would wait inside a timer callback.
     pub(super) fn fail_in_callback(&self, robot: MutexGuard<'_, Robot>, (call, site): (Call, &Site)) -> Stop {
-        let place = self.place_of(site);
-        self.fail(robot, format!("{} would wait inside a timer callback{place}", call.description()))
+        let location = self.location_suffix(site);
+        self.fail(robot, format!("{} would wait inside a timer callback{location}", call.description()))
     }
 
-    /// The place of `site` in the program, for the end of a message: ` at maze.c:88`, or nothing if it is not known.
-    pub(super) fn place_of(&self, site: &Site) -> String {
+    /// The location of `site` in the program, for the end of a message: ` at maze.c:88`, or nothing if it is not known.
+    pub(super) fn location_suffix(&self, site: &Site) -> String {
         self.flow.location_of(site).map(|line| format!(" at {line}")).unwrap_or_default()
     }
 

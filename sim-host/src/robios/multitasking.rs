@@ -165,8 +165,8 @@ impl<F: Flow> Caller<F> {
         }
         if robot.timers.in_callback {
             let name = robot.tasks.name(robot.tasks.current().number);
-            let place = self.place_of(&self.flow().call_site());
-            return Err(self.fail(robot, format!("a timer's function would end {name}, which it interrupts{place}")));
+            let location = self.location_suffix(&self.flow().call_site());
+            return Err(self.fail(robot, format!("a timer's function would end {name}, which it interrupts{location}")));
         }
         let (now, number) = (robot.now, robot.tasks.current().number);
         robot.tasks.kill(now, number);

@@ -16,7 +16,7 @@ export class Mock {
   requests = [];
   /** Called with each command; returns the reason if the command is refused, otherwise null. */
   answers = () => null;
-  welcome = { type: "welcome", protocol: 1, version: "0.1.0", title: "Mock", may_act: true };
+  welcome = { type: "welcome", protocol: 2, version: "0.1.0", title: "Mock", may_act: true };
   scene = scene();
   #sockets = new Set();
   #waiting = [];

@@ -59,11 +59,25 @@ test("the whole world stays in view when the window becomes narrow, until the us
       return at.x > box.left && at.x < box.right && at.y > box.top && at.y < box.bottom;
     }));
   };
+  const resize = async (width, height) => {
+    await page.setViewportSize({ width, height });
+    await page.waitForFunction(() => {
+      const { clientWidth, clientHeight } = document.querySelector("canvas");
+      return Math.abs(globalThis.eyesim.view.viewCamera.camera.aspect - clientWidth / clientHeight) < 1e-3;
+    });
+  };
   assert(await page.evaluate(isWhole));
-  await page.setViewportSize({ width: 360, height: 700 });
-  await page.waitForFunction(isWhole);
-  await page.setViewportSize({ width: 800, height: 500 });
-  await page.waitForFunction(isWhole);
+  await resize(360, 700);
+  assert(await page.evaluate(isWhole));
+  await control("canvas").focus();
+  await page.keyboard.press("-");
+  const distance = () => page.evaluate(() => globalThis.eyesim.view.viewCamera.camera.position.length());
+  const chosen = await distance();
+  await resize(800, 500);
+  assert.equal(await distance(), chosen);
+  await page.keyboard.press("h");
+  await page.waitForFunction(() => globalThis.eyesim.view.viewCamera.transition === null);
+  assert(await page.evaluate(isWhole));
 });
 
 test("dragging moves a robot and an object", { skip }, async () => {

@@ -32,7 +32,7 @@ pub use state::{
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol: the server requests a page of another version to reload.
-pub const PROTOCOL: u32 = 1;
+pub const PROTOCOL: u32 = 2;
 
 /// Message from the server to a page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -34,6 +34,8 @@ export class ViewCamera {
   private transition: Transition | null = null;
   /** Direction from which the whole world is shown; null after the user has changed the view. */
   private wholeFrom: THREE.Vector3 | null = null;
+  /** True between press and release of a pointer on the view. */
+  private isHeld = false;
   private readonly lastPosition = new THREE.Vector3();
   private readonly position = new THREE.Vector3();
   private followed: BodyView | null = null;
@@ -52,8 +54,17 @@ export class ViewCamera {
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
     this.controls.screenSpacePanning = false;
-    this.controls.addEventListener("change", () => this.onchange());
-    this.controls.addEventListener("start", () => this.release());
+    this.controls.addEventListener("change", () => {
+      if (this.isHeld) this.wholeFrom = null;
+      this.onchange();
+    });
+    this.controls.addEventListener("start", () => {
+      this.transition = null;
+      this.isHeld = true;
+    });
+    this.controls.addEventListener("end", () => {
+      this.isHeld = false;
+    });
   }
 
   /** Follows the chosen robot, looks through its camera, or neither. */
@@ -65,6 +76,7 @@ export class ViewCamera {
       this.resize();
       this.home(false);
     }
+    if (mode !== "free") this.wholeFrom = null;
     this.mode = mode;
     this.followed = null;
     this.controls.enabled = mode !== "robot";
