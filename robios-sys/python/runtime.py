@@ -293,6 +293,15 @@ def _address(pointer):
     return _ctypes.c_void_p(_ctypes.cast(pointer, _ctypes.c_void_p).value)
 
 
+def _is_whole(item):
+    """True for an item that `int` converts, unlike a list, an infinite number or `nan`."""
+    try:
+        int(item)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
+
+
 def _memory(value, size, name):
     """The first `size` bytes of a program's image or buffer. Without a size: all bytes, or a text up to its terminating 0."""
     if isinstance(value, str):
@@ -305,8 +314,8 @@ def _memory(value, size, name):
     if isinstance(value, (list, tuple)):
         try:
             data = bytes(int(item) & 0xFF for item in value)
-        except (TypeError, ValueError):
-            wrong = next(item for item in value if not hasattr(item, "__int__"))
+        except (TypeError, ValueError, OverflowError):
+            wrong = next(item for item in value if not _is_whole(item))
             text = ": write `[pixel for row in image for pixel in row]`" if isinstance(wrong, (list, tuple)) else ""
             raise TypeError(f"{name}: expected a list of numbers from 0 to 255, got one with {wrong!r:.50}{text}") from None
     else:
@@ -1926,11 +1935,20 @@ def _report_location(_signal_number, frame):
 
 
 def _frame_beside_program(frame):
-    """The innermost of this frame and its callers whose file is in the folder of the program; None if there is none."""
+    """The innermost of this frame and its callers whose file is in the folder of the program or below it; None if there is none."""
     folder = _os.path.dirname(_os.path.abspath(getattr(_sys.modules["__main__"], "__file__", None) or ""))
-    while frame is not None and _os.path.dirname(_os.path.abspath(frame.f_code.co_filename)) != folder:
+    while frame is not None and not _is_below(folder, frame.f_code.co_filename):
         frame = frame.f_back
     return frame
+
+
+def _is_below(folder, name):
+    """True for a file in the folder or below it, except this one, packages and the library of Python, which may be installed there."""
+    if name in _own_files or name.startswith("<"):
+        return False
+    file, library = _os.path.abspath(name), _os.path.dirname(_os.__file__)
+    installed = "site-packages" in file or file.startswith(library + _os.sep)
+    return file.startswith(folder.rstrip(_os.sep) + _os.sep) and not installed
 
 
 def _leave_fork():
@@ -2006,15 +2024,17 @@ def _advice(error, trace):
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
         return "the file is not saved as UTF-8: save it as UTF-8 in the editor"
     if isinstance(error, SyntaxError) and "invalid character" in str(error):
-        letter = next((letter for letter in error.text or "" if letter in _PLAIN_LETTERS), None)
-        return f"`{letter}` comes from a page or a word processor: write `{_PLAIN_LETTERS[letter]}`" if letter else None
+        letter = (str(error).split("'") + [None])[1]
+        plain = _PLAIN_LETTERS.get(letter)
+        return f"`{letter}` comes from a page or a word processor: write `{plain}`" if plain else None
     if isinstance(error, SyntaxError) and error.text and not isinstance(error, IndentationError):
         return _advice_on_syntax(error.text)
     if isinstance(error, UnboundLocalError):
         name = (str(error).split("'") + [None] * 2)[1]
         return f"a function that sets a variable of the program begins with `global {name}`"
-    if isinstance(error, (NameError, AttributeError)) and getattr(error, "name", None) in _PYTHON3_NAMES:
-        return f"it belongs to Python 2: Python 3 writes `{_PYTHON3_NAMES[error.name]}`"
+    names = _PYTHON3_NAMES if isinstance(error, NameError) else _PYTHON3_METHODS if isinstance(error, AttributeError) else {}
+    if getattr(error, "name", None) in names:
+        return f"it belongs to Python 2: Python 3 writes `{names[error.name]}`"
     if isinstance(error, NameError) and getattr(error, "name", None) in getattr(_sys, "stdlib_module_names", ()):
         return f"write `import {error.name}` as the first line"
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) and error.filename:
@@ -2093,11 +2113,11 @@ def _signature_in(error):
 # Names of packages that differ from those of their modules.
 _PACKAGES = {"cv2": "opencv-python-headless", "PIL": "Pillow", "sklearn": "scikit-learn", "skimage": "scikit-image", "yaml": "PyYAML"}
 
-# Names of Python 2 and what Python 3 writes.
+# Names and methods of Python 2 and what Python 3 writes.
 _PYTHON3_NAMES = {
     "raw_input": "input", "xrange": "range", "unicode": "str", "unichr": "chr", "long": "int", "reduce": "functools.reduce",
-    "has_key": "key in dictionary", "iteritems": "items", "iterkeys": "keys", "itervalues": "values",
 }
+_PYTHON3_METHODS = {"has_key": "key in dictionary", "iteritems": "items", "iterkeys": "keys", "itervalues": "values"}
 
 # Modules of Python 2 that have another name in Python 3; those that differ in case only are not listed.
 _PYTHON3_MODULES = {"StringIO": "io", "cPickle": "pickle", "thread": "threading", "urllib2": "urllib", "tkMessageBox": "tkinter"}
@@ -2117,6 +2137,8 @@ def _advice_on_syntax(line):
     if re.match(r"\s*else\s+if\b", line):
         return "write `elif`"
     handler = re.match(r"\s*except\s+([\w.]+)\s*,\s*(\w+)\s*:", line)
+    if handler and handler.group(2)[0].isupper():
+        return f"write `except ({handler.group(1)}, {handler.group(2)}):`"
     if handler:
         return f"Python 3 writes `except {handler.group(1)} as {handler.group(2)}:`"
     raised = re.match(r"\s*raise\s+([\w.]+)\s*,\s*(.+)", line)

@@ -186,7 +186,8 @@ pub struct GenerationChoice {
 /// Reasons for the choice of a generation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ChoiceReason {
-    /// `--api` or the scene states it; the program calls these functions, which only the other generation has.
+    /// `--api` or the scene states it; the program calls these functions, which only the other generation has, and no
+    /// function that only the stated one has. Empty otherwise.
     Stated(Vec<String>),
     /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
@@ -298,7 +299,9 @@ pub fn choose(
         calls.iter().filter(is_only).cloned().collect()
     };
     if let Some(generation) = hint.api {
-        return choice(generation, ChoiceReason::Stated(only(generation.other())));
+        // A program of both generations is wrong for the other one, too.
+        let foreign = if only(generation).is_empty() { only(generation.other()) } else { Vec::new() };
+        return choice(generation, ChoiceReason::Stated(foreign));
     }
     let (of_6, of_7) = (only(Generation::Robios6), only(Generation::Robios7));
     match (of_6.is_empty(), of_7.is_empty()) {
@@ -760,6 +763,20 @@ mod tests {
         assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
         assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
         assert!(error.ends_with(&format!("; {GENERAL_ADVICE}")), "{error}");
+    }
+
+    #[test]
+    fn a_stated_generation_is_contradicted_only_by_functions_of_the_other_one_alone() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let source = folder.path().join("maze.c");
+        let hint = GenerationHint { api: Some(Generation::Robios6), dialect: None };
+        let reason = |text: &str| {
+            std::fs::write(&source, text).expect("a file");
+            choose(std::slice::from_ref(&source), hint, None).expect("the stated generation").reason
+        };
+        let foreign = ChoiceReason::Stated(vec!["VWStraight".to_owned()]);
+        assert_eq!(reason("f() { VWStraight(1, 2); LCDClear(); }"), foreign);
+        assert_eq!(reason("f() { VWInit(1, 1); VWStraight(1, 2); }"), ChoiceReason::Stated(Vec::new()));
     }
 
     /// The advice for a program of calls of both generations.

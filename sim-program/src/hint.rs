@@ -9,11 +9,12 @@ use object::{Object as _, ObjectSymbol as _};
 use robios_sys::c;
 
 use super::beside::files_beside;
-use super::code::code_only;
+use super::code::{code_only, is_name};
 use super::generation::Generation;
 use super::header::{library_hint, nearby_hint};
 use super::language::{Language, without_txt};
 use super::plain::in_plain_words;
+use crate::files::read_regular;
 
 /// Headers of other systems and of terminals, with their replacements in robot programs.
 const ABSENT_HEADERS: &[(&[&str], &str)] = &[
@@ -212,29 +213,42 @@ fn doubly_defined_hints(output: &str) -> String {
         let is_variable = before.contains(".o:");
         let place = |text: &str| {
             let (path, line) = text.rsplit_once(':')?;
-            let file = Path::new(path.rsplit(".o:").next()?).file_name()?;
-            line.parse::<u32>().is_ok().then(|| format!("{}:{line}", file.display()))
+            let path = Path::new(path.rsplit(".o:").next()?);
+            let place = format!("{}:{line}", path.file_name()?.display());
+            // For a function of a header, the linker names the file that includes it, with the line in the header.
+            let line = line.parse().ok()?;
+            (is_variable || names_function(path, line, name)).then_some(place)
         };
-        let Some((second, first)) = place(before).zip(first.strip_suffix(": first defined here").and_then(place))
-        else {
-            continue;
-        };
-        let hint = match (second == first, is_variable) {
-            (true, true) => format!(
+        let places = place(before).zip(first.strip_suffix(": first defined here").and_then(place));
+        let hint = match places {
+            Some((second, first)) if second != first => format!(
+                "{second}: `{name}` is also defined in {first}: give one of them another name, or write `static` before both"
+            ),
+            Some((_, first)) if is_variable => format!(
                 "{first}: `{name}` is defined in every file that includes this header: write `extern` before it and no value after \
                  it, and define it in one of the files"
             ),
-            (true, false) => format!(
-                "{first}: `{name}` is defined in every file that includes this header: write `static` before it, or move it to one \
-                 of the files"
-            ),
-            (false, _) => format!(
-                "{second}: `{name}` is also defined in {first}: give one of them another name, or write `static` before both"
+            None if is_variable => continue,
+            _ => format!(
+                "`{name}` is defined in several files, or in a header that several include: write `static` before it, or leave it in \
+                 one of the files"
             ),
         };
-        push_line(&mut hints, &hint);
+        if !hints.lines().any(|line| line == hint) {
+            push_line(&mut hints, &hint);
+        }
     }
     hints
+}
+
+/// Returns true if a line of the source, or the line before it, contains the name of `function`, which may be a
+/// signature of C++.
+fn names_function(source: &Path, line: usize, function: &str) -> bool {
+    let name = function.split('(').next().and_then(|name| name.rsplit(':').next()).unwrap_or(function);
+    let Ok(bytes) = read_regular(source) else { return false };
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text.lines().skip(line.saturating_sub(2)).take(line.min(2));
+    lines.any(|line| line.split(|letter| !is_name(letter)).any(|word| word == name))
 }
 
 const DOUBLE_MAIN: [&str; 2] = ["multiple definition of `main'", "duplicate symbol: main"];
@@ -638,17 +652,29 @@ mod tests {
 
     #[test]
     fn functions_and_variables_of_several_files_are_reported() {
-        let output = "/usr/bin/ld: /t/1.o:/p/robot.h:1: multiple definition of `counter'; /t/0.o:/p/robot.h:1: first defined here\n\
-                      /usr/bin/ld: /t/1.o: in function `step':\n\
-                      /p/util.h:3: multiple definition of `step'; /t/0.o:/p/util.h:3: first defined here\n\
-                      /p/b.c:4: multiple definition of `turn'; /t/0.o:/p/a.c:9: first defined here\n\
-                      /p/b.c:7: multiple definition of `main'; /t/0.o:/p/a.c:8: first defined here\n";
-        let expected = "robot.h:1: `counter` is defined in every file that includes this header: write `extern` before it and no value after \
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().display();
+        fs::write(folder.path().join("a.cpp"), "#include \"robot.h\"\n\nint turn(int a)\n{ return a; }\n")
+            .expect("a source");
+        fs::write(folder.path().join("b.cpp"), "#include \"robot.h\"\nint turn(int a)\n{\n return a; }\n")
+            .expect("a source");
+        // `step` and `counter` are in line 4 and 7 of the header.
+        let output = format!(
+            "/usr/bin/ld: /t/1.o: in function `step':\n\
+             {path}/b.cpp:4: multiple definition of `step'; /t/0.o:{path}/a.cpp:4: first defined here\n\
+             /usr/bin/ld: /t/1.o:{path}/robot.h:7: multiple definition of `counter'; /t/0.o:{path}/robot.h:7: first defined here\n\
+             /usr/bin/ld: /t/1.o: in function `turn(int)':\n\
+             {path}/b.cpp:3: multiple definition of `turn(int)'; /t/0.o:{path}/a.cpp:4: first defined here\n\
+             {path}/b.cpp:7: multiple definition of `main'; /t/0.o:{path}/a.cpp:8: first defined here\n\
+             /usr/bin/ld: /t/2.o: in function `step':\n\
+             {path}/c.cpp:4: multiple definition of `step'; /t/0.o:{path}/a.cpp:4: first defined here\n"
+        );
+        let expected = "`step` is defined in several files, or in a header that several include: write `static` before it, or leave it in \
+                        one of the files\n\
+                        robot.h:7: `counter` is defined in every file that includes this header: write `extern` before it and no value after \
                         it, and define it in one of the files\n\
-                        util.h:3: `step` is defined in every file that includes this header: write `static` before it, or move it to one \
-                        of the files\n\
-                        b.c:4: `turn` is also defined in a.c:9: give one of them another name, or write `static` before both\n";
-        assert_eq!(doubly_defined_hints(output), expected);
+                        b.cpp:3: `turn(int)` is also defined in a.cpp:4: give one of them another name, or write `static` before both\n";
+        assert_eq!(doubly_defined_hints(&output), expected);
     }
 
     #[test]

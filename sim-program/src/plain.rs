@@ -275,14 +275,15 @@ impl Message<'_> {
                     .to_owned(),
             );
         }
-        if is_syntax && self.has_split_condition(code) {
+        if is_syntax && has_split_condition(code) {
             return Some("one pair of parentheses encloses the whole condition: `if ((a > 1) && (b < 2))`".to_owned());
         }
         if self.text.starts_with("expected identifier before")
             && starts_with_word(code.trim_start_matches("typedef "), "enum")
+            && let Some((_, right)) = self.split_code()
+            && let Some(name) = right.split(|letter| !is_name(letter)).next()
+            && name.starts_with(|letter: char| letter.is_alphabetic() || letter == '_')
         {
-            let right = self.split_code()?.1;
-            let name = right.split(|letter| !is_name(letter)).next().filter(|name| !name.is_empty())?;
             return Some(format!(
                 "`{name}` is already defined: give yours another name; `bool`, `true` and `false` need no definition"
             ));
@@ -345,7 +346,13 @@ impl Message<'_> {
                 ["and", "or", "not"].contains(&word) && self.is_c() || ["AND", "OR", "NOT"].contains(&word)
             })
         };
-        if is_syntax && is_operator(self.found_token()) || is_operator(self.quoted(0)) {
+        let is_unknown = |name: &str| {
+            let phrases = ["undeclared", "not declared", "unknown type name", "implicit declaration"];
+            phrases.iter().any(|phrase| self.text.contains(phrase)) && !calls_of(self.source).defined.contains(name)
+        };
+        if is_syntax && is_operator(self.found_token())
+            || is_operator(self.quoted(0)) && self.quoted(0).is_some_and(is_unknown)
+        {
             return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
         }
         if is_syntax && code.contains(if self.is_c() { "<>" } else { " <> " }) {
@@ -423,7 +430,6 @@ impl Message<'_> {
                 "",
                 "`\\x` in a text begins the number of a letter: write `\\\\` for a backslash, or `/` between folders",
             ),
-            ("", "invalid initializer", LIST_MISSING),
             ("", "must be initialized with a brace-enclosed initializer", LIST_MISSING),
             ("", "initializer fails to determine size", LIST_MISSING),
             ("", "excess elements in array initializer", "there are more values than elements: make the array larger"),
@@ -440,12 +446,16 @@ impl Message<'_> {
                 "variable-sized object may not be initialized",
                 "an array whose length is a variable has no first values: set its elements one by one, or give it a fixed length",
             ),
-            ("", "array type has incomplete element type", ROW_LENGTH),
+            ("array type has incomplete element type", "[", ROW_LENGTH),
             ("", "must have bounds for all dimensions", ROW_LENGTH),
             ("", "two or more data types", "two types stand here: delete one of them, or a `;` is missing"),
             ("expected statement before ')'", "", "there is a `)` too many"),
             ("", "assignment of function", "a function is called with `( )`, and `==` compares, as in `VWDone() == 1`"),
-            ("", "expression cannot be used as a function", "this is a value, not a function: leave `( )` out"),
+            (
+                "",
+                "expression cannot be used as a function",
+                "this is a value, not a function: `*` multiplies, as in `2 * (a + b)`",
+            ),
             (
                 "",
                 "suggest braces around empty body",
@@ -483,6 +493,10 @@ impl Message<'_> {
             text if text.starts_with("the value of '") && self.code().is_some_and(|code| code.contains("case ")) => {
                 Some("`case` needs a fixed number: compare variables with `if (a == b)`".to_owned())
             }
+            text if text.contains("invalid initializer") => {
+                let (left, _) = self.code()?.split_once('=')?;
+                left.contains('[').then(|| LIST_MISSING.to_owned())
+            }
             text if text.starts_with("assignment of read-only variable") => {
                 Some(format!("`{}` is `const`: leave `const` out where it is declared, if it changes", self.quoted(0)?))
             }
@@ -505,7 +519,8 @@ impl Message<'_> {
             }
             text if text.contains("will always evaluate as 'true'") => {
                 let name = self.quoted(0)?;
-                (self.code()?.contains(name) && !self.code()?.contains(&format!("&{name}")))
+                let is_array = self.source.contains(&format!("{name}["));
+                (!is_array && self.code()?.contains(name) && !self.code()?.contains(&format!("&{name}")))
                     .then(|| format!("`{name}` is not called: write `{name}()`"))
             }
             text if text.contains("called on unallocated object") => {
@@ -763,7 +778,9 @@ impl Message<'_> {
             );
         };
         let is_of = |kind: &str| starts_with_word(declaration, kind);
-        let is_bytes = is_of("BYTE") || is_of("unsigned") || is_of("char");
+        // A `char` pointer of these functions is the name of the file.
+        let takes_name = ["IPReadFile", "IPWriteFile"].iter().any(|beginning| function.starts_with(beginning));
+        let is_bytes = is_of("BYTE") || is_of("unsigned") || is_of("char") && !takes_name;
         let array = array_of(function)
             .filter(|(kind, _)| if *kind == "BYTE" { is_bytes } else { is_of(kind) })
             .or(is_of("char").then_some(("char", "20")));
@@ -956,21 +973,34 @@ impl Message<'_> {
     /// Explains a name in a list of parameters that has no type of its own: `void f(int a, b)`.
     fn parameter_without_type(&self) -> Option<String> {
         let (left, right) = self.split_code()?;
+        // A parameter with a type, even an unknown one, has two words.
+        let is_single_word = right.trim_start().trim_start_matches(is_name).trim_start().starts_with([',', ')', '[']);
         let is_parameter =
             left.trim_end().ends_with(',') && left.contains('(') && right.contains(')') && begins_function(left);
-        is_parameter.then(|| "each parameter has its own type, as in `void f(int a, int b)`".to_owned())
+        (is_parameter && is_single_word)
+            .then(|| "each parameter has its own type, as in `void f(int a, int b)`".to_owned())
     }
 
     /// Explains a word of another language that the compiler takes for a name.
     fn word_of_other_language(&self, name: &str) -> Option<String> {
+        let right = self.split_code().map_or("", |(_, right)| right);
+        let rest = right.strip_prefix(name).unwrap_or_default().trim_start();
+        // Some of these words may be names of variables: `var = 3;`.
+        let is_of_cpp = match name {
+            "std" => self.code().is_some_and(|code| code.contains("std::")),
+            "try" => rest.is_empty() || rest.starts_with('{'),
+            name => ["using", "namespace", "template", "cout", "cin"].contains(&name),
+        };
         Some(match name {
             "then" => "C has no `then`: leave it out".to_owned(),
-            "var" | "let" => format!("C has no `{name}`: write the type in its place, such as `int`"),
+            "var" | "let" if rest.starts_with(is_name) => {
+                format!("C has no `{name}`: write the type in its place, such as `int`")
+            }
             "null" | "None" | "nil" => format!("`{name}` is not defined: write `NULL`"),
             "String" if self.is_c() => "C has no type `String`: a text is a `const char *`".to_owned(),
             "String" => "`String` is not a type: write `std::string`, with `#include <string>`".to_owned(),
             "import" => "C has no `import`: write `#include \"eyebot.h\"`".to_owned(),
-            "using" | "namespace" | "template" | "std" | "cout" | "cin" | "try" if self.is_c() => {
+            _ if is_of_cpp && self.is_c() => {
                 let name_as_cpp = without_txt(Path::new(self.file)).with_extension("cpp");
                 format!("`{name}` belongs to C++: name the file `{}`, and in the scene too", name_as_cpp.display())
             }
@@ -982,16 +1012,6 @@ impl Message<'_> {
     fn ends_no_comment(&self) -> bool {
         let line = self.line.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
         line.is_some_and(|line| code_only(self.source).lines().nth(line).is_some_and(|code| code.contains("*/")))
-    }
-
-    /// Returns true if `&&` or `||` follows the parentheses of a condition: `if (a) && (b)`.
-    fn has_split_condition(&self, code: &str) -> bool {
-        let start = without_closing_braces(code);
-        let clause = ["if", "while"]
-            .into_iter()
-            .find_map(|word| code.find(&format!("{word} (")).or_else(|| code.find(&format!("{word}("))));
-        let rest = clause.and_then(|offset| behind_parentheses(&code[offset..])).or_else(|| behind_parentheses(start));
-        rest.is_some_and(|rest| ["&&", "||"].iter().any(|operator| rest.trim_start().starts_with(operator)))
     }
 
     /// Explains a line that begins with a misspelt keyword: `whlie (x)`.
@@ -1535,6 +1555,15 @@ pub fn is_empty_clause(code: &str) -> bool {
     is_clause && behind_parentheses(code).is_some_and(|rest| rest.trim() == ";")
 }
 
+/// Returns true if `&&` or `||` follows the parentheses of a condition: `if (a) && (b)`.
+fn has_split_condition(code: &str) -> bool {
+    let clause = ["if", "while"]
+        .into_iter()
+        .find_map(|word| code.find(&format!("{word} (")).or_else(|| code.find(&format!("{word}("))));
+    let rest = clause.and_then(|offset| behind_parentheses(&code[offset..]));
+    rest.is_some_and(|rest| ["&&", "||"].iter().any(|operator| rest.trim_start().starts_with(operator)))
+}
+
 /// What follows the first pair of parentheses in `code`.
 fn behind_parentheses(code: &str) -> Option<&str> {
     let mut depth = 0_i32;
@@ -1967,6 +1996,79 @@ mod tests {
     }
 
     #[test]
+    fn similar_mistakes_are_not_confused() {
+        let undefined = |name: &str| {
+            format!(
+                "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or check the spelling"
+            )
+        };
+        let undeclared = |name: &str| format!("'{name}' undeclared (first use in this function)");
+        // The file, the compiler's message at a column, the line of the program, and the words.
+        let mistakes = [
+            (
+                "a.c",
+                15,
+                "unknown type name 'string'".to_owned(),
+                "void f(int a, string s) {",
+                "C has no type `string`: a text is a `const char *`".to_owned(),
+            ),
+            ("a.cpp", 15, "'colour' has not been declared".to_owned(), "void f(int a, colour c) {", String::new()),
+            (
+                "a.c",
+                24,
+                "expected ';' before 'return'".to_owned(),
+                "ok = (a > 5) && (b < 3)",
+                "a `;` is missing at the end of this line".to_owned(),
+            ),
+            (
+                "a.c",
+                21,
+                "the address of 'name' will always evaluate as 'true' [-Waddress]".to_owned(),
+                "char name[20]; if (name) stop();",
+                String::new(),
+            ),
+            ("a.c", 14, "invalid initializer".to_owned(), "struct p b = 0;", String::new()),
+            (
+                "a.c",
+                12,
+                "array type has incomplete element type 'struct foo'".to_owned(),
+                "struct foo arr[5];",
+                String::new(),
+            ),
+            ("a.c", 1, undeclared("var"), "var = a * b;", undefined("var")),
+            ("a.c", 1, undeclared("std"), "std = sqrt(v);", undefined("std")),
+            ("a.c", 1, undeclared("try"), "try = 3;", undefined("try")),
+            (
+                "a.c",
+                23,
+                "expected identifier before numeric constant".to_owned(),
+                "enum state { RED = 1, 2 };",
+                String::new(),
+            ),
+            (
+                "a.c",
+                5,
+                "implicit declaration of function 'not'".to_owned(),
+                "if (not (d > 3)) stop();",
+                "C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned(),
+            ),
+            (
+                "a.c",
+                8,
+                "too few arguments to function 'AND'".to_owned(),
+                "return AND(x);",
+                "`AND` is called with too few values".to_owned(),
+            ),
+        ];
+        for (file, column, message, code, words) in mistakes {
+            let caret = " ".repeat(column - 1);
+            let output = format!("{file}:1:{column}: error: {message}\n    1 | {code}\n      | {caret}^\n");
+            let expected = if words.is_empty() { words } else { format!("{file}:1: {words}\n") };
+            assert_eq!(in_plain_words(&output, (file, code)), expected, "{output}");
+        }
+    }
+
+    #[test]
     fn an_error_without_a_column_is_translated() {
         check(
             "a.c:4: error: unterminated #if\n    4 | #if SIM\n",
@@ -2226,6 +2328,8 @@ mod tests {
         assert_eq!(argument("BYTE *z;", "if (CAMGet(z) != 0)"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("unsigned char *z;", "IPOverlay(mask(a), z, b);"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("char *z;", "CAMGet(z);"), array("BYTE z[QVGA_SIZE]"));
+        assert_eq!(argument("char *z;", "IPReadFile(z, img);"), array("char z[20]"));
+        assert_eq!(argument("BYTE *z;", "IPReadFile(name, z);"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("int *z;", "n = LIDARGet(z);"), array("int z[360]"));
         let single = "`z` points nowhere: declare it without `*`, and write `&z` in this line";
         assert_eq!(argument("BYTE *z;", "IPPCol2RGB(RED, z, z, z);"), single);
@@ -2450,6 +2554,13 @@ mod tests {
                 "  int n = \"3\";",
                 "a text stands where a number (`int`) belongs: write a number, without quotes",
             ),
+            (
+                "4:11",
+                "expression cannot be used as a function",
+                "  return 2(a + b);",
+                "this is a value, not a function: `*` multiplies, as in `2 * (a + b)`",
+            ),
+            ("4:7", "array type has incomplete element type 'int[]'", "  int m[][] = {{1}};", ROW_LENGTH),
         ];
         for (place, error, code, words) in errors {
             let column: usize = place.trim_start_matches("4:").parse().expect("a column");
