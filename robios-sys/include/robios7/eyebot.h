@@ -879,7 +879,8 @@ int RADIOReceive(int *id, char *buf, int size);
 int RADIOCheck(EYESIM_ANY);
 
 /* Lists the robots whose radios are on, including this one. IDlist: room for 256 numbers, set to their addresses in
- * order of the robots. Returns their number, 0 if the radio of this robot is off or IDlist is NULL.
+ * order of the robots. In the slot of RADIOInit it waits for the end of the slot; in a timer's function it does not
+ * wait, and may list only this robot. Returns their number, 0 if the radio of this robot is off or IDlist is NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, radio communication. */
 int RADIOStatus(int IDlist[]);
