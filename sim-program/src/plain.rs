@@ -1949,7 +1949,7 @@ mod tests {
                 "`using` belongs to C++: name the file `a.cpp`, and in the scene too",
             ),
             (
-                15,
+                16,
                 "expected identifier before numeric constant",
                 "typedef enum { false, true } bool;",
                 "`false` is already defined: give yours another name; `bool`, `true` and `false` need no definition",

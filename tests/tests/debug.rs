@@ -86,7 +86,11 @@ fn without_a_breakpoint_the_debugger_stops_at_the_beginning() {
     let outcomes: Vec<&str> =
         report["robots"].as_array().expect("robots").iter().filter_map(|r| r["outcome"].as_str()).collect();
     assert_eq!(outcomes, ["finished", "failed", "finished"], "{report:#}");
-    assert!(report["robots"][1]["reason"].as_str().is_some_and(|reason| reason.contains("the debugger exited before the program")));
+    assert!(
+        report["robots"][1]["reason"]
+            .as_str()
+            .is_some_and(|reason| reason.contains("the debugger exited before the program"))
+    );
 }
 
 #[test]

@@ -373,7 +373,8 @@ mod tests {
         let with_span: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();
         let locations: Vec<(u32, u32)> =
             with_span.iter().map(|diagnostic| (diagnostic.span.line, diagnostic.span.column)).collect();
-        let expected = [(1, 1), (2, 1), (3, 5), (4, 1), (5, 1), (6, 1), (7, 22), (8, 1), (9, 10), (10, 1), (11, 12)];
+        let expected =
+            [(1, 1), (2, 1), (3, 5), (4, 1), (5, 1), (6, 1), (7, 22), (8, 1), (9, 10), (10, 1), (11, 1), (11, 12)];
         assert_eq!(locations, expected);
         assert!(with_span.iter().all(|diagnostic| !diagnostic.expected.is_empty()));
         assert!(checked.is_rejected(false), "a floor of negative size loses the file");

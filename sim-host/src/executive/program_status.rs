@@ -372,15 +372,20 @@ fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &Ro
     let is_null = report.description.starts_with(NULL_POINTER);
     let open_failure = robot.robios.storage.open_failure().filter(|_| is_null);
     if failure.is_overdue && robot.robios.input.has_ended() {
-        let file = robot.robios.storage.open_failure().map(|why| format!("; before that it could not open a file: {why}"));
+        let file =
+            robot.robios.storage.open_failure().map(|why| format!("; before that it could not open a file: {why}"));
         format!("; it has read its standard input, which has come to its end (`--stdin`){}", file.unwrap_or_default())
     } else if failure.is_overdue {
         let call = if report.location.contains(".rs:") { "robot.sleep(10.millis())" } else { "OSWait(10)" };
         if !robot.timers.is_empty() {
-            return format!("; functions of timers run only during calls: put a call that waits into the loop, such as `{call}`");
+            return format!(
+                "; functions of timers run only during calls: put a call that waits into the loop, such as `{call}`"
+            );
         }
         if robot.tasks.has_others() {
-            return format!("; other tasks run only during calls: put a call that waits into the loop, such as `{call}`");
+            return format!(
+                "; other tasks run only during calls: put a call that waits into the loop, such as `{call}`"
+            );
         }
         let empty =
             if is_in_empty_loop(failure, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
