@@ -307,7 +307,7 @@ fn one_line_of_many_megabytes_is_handled() {
 
 #[test]
 fn unread_output_is_not_a_failure() {
-    let scratch = with(&[("many.wld", &"0 0 1\n".repeat(900))]);
+    let scratch = with(&[("many.wld", &format!("floor 9 9\n{}", "0 0 1\n".repeat(900)))]);
     let mut child = scratch
         .command(&["check", "many.wld", "many.wld"])
         .stdout(std::process::Stdio::piped())

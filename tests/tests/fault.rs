@@ -85,7 +85,7 @@ fn a_loop_that_waits_for_a_timer_gets_the_advice_to_make_calls() {
                    int main(void) {\n    OSAttachTimer(10, tick);\n    while (n < 5)\n        ;\n    return 0;\n}\n";
     let (report, ..) = run(program, &["--timeout", "0.5"]);
     assert_eq!(report["robots"][1]["outcome"], "timeout");
-    assert!(reason(&report).ends_with("such as `OSWait(1)`"), "{}", reason(&report));
+    assert!(reason(&report).ends_with("such as `OSWait(10)`"), "{}", reason(&report));
 }
 
 #[test]

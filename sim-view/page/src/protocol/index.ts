@@ -2,7 +2,7 @@
 // INSTA_UPDATE=always cargo test -p sim-view typescript
 
 /** Version of the protocol. */
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 
 /** User intervention at the start of a slot. Traces contain it in this form, so that a run can be repeated. */
 export type Action = { "do": "press",
