@@ -256,7 +256,7 @@ fn a_removed_robot_sends_no_more_and_keeps_its_pose_and_outcome() {
         let text = format!("{world}{}{}{fault}", robot(program, 500), robot("count.c", 1500));
         scratch.write("radio.scene.toml", &text);
         write_interventions(&scratch, &[(1.0, remove_robot(1))]);
-        let report = scratch.report("radio.scene.toml", &["--repeat", "hand.jsonl", "--until", "5"], 0);
+        let report = scratch.report("radio.scene.toml", &["--repeat", "interventions.jsonl", "--until", "5"], 0);
         let [removed, counts] = [0, 1].map(|index| report["robots"][index].clone());
         let lcd = counts["lcd"][0].as_str().unwrap_or_default().to_owned();
         (removed["outcome"].clone(), number(&removed, "pose.x_m"), lcd)
