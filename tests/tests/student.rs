@@ -88,7 +88,10 @@ fn a_hint_has_the_line_of_the_program_on_the_terminal_and_in_the_report() {
             let report: serde_json::Value = serde_json::from_str(&scratch.read("report.json")).expect("a report");
             let hint = &report["robots"][0]["hints"][0];
             assert_eq!(hint["at"], format!("{name}:5"), "{execution}: {report:#}");
-            assert!(hint["text"].as_str().expect("a text").starts_with("this drive replaces"), "{execution}: {report:#}");
+            assert!(
+                hint["text"].as_str().expect("a text").starts_with("this drive replaces"),
+                "{execution}: {report:#}"
+            );
         }
     }
 }
