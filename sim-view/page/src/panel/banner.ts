@@ -2,9 +2,8 @@
 
 import { element } from "../dom";
 import type { Model } from "../model";
+import { PROTOCOL } from "../protocol";
 import { button, setText } from "./control";
-
-const PROTOCOL = 1;
 
 export function bannerPanel(model: Model): HTMLElement {
   const text = element("span", { testid: "banner-text" });
