@@ -45,7 +45,9 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `BUMPCheck`: the switch closes when a contact begins; a lasting contact is reported once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
-    let Some(index) = robot.robios.bumpers.handles.device(handle) else { return robot.fail_call(Call::BUMPCheck, -1) };
+    let Some(index) = robot.robios.bumpers.handles.device(handle) else {
+        return robot.refuse_handle(Call::BUMPCheck, -1, handle, Call::BUMPInit);
+    };
     let reported_until = robot.robios.bumpers.reported_until[index];
     robot.robios.bumpers.reported_until[index] = robot.now + Time(1);
     let is_on = robot.devices.switches.is_on(SensorId::Bumper(index));

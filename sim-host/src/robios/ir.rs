@@ -52,7 +52,7 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     let index = robot.robios.infrareds.device(handle);
     let Some((index, infrared)) = index.and_then(|index| Some((index, robot.spec.infrareds.get(index)?))) else {
-        return robot.fail_call(Call::IRRead, -1);
+        return robot.refuse_handle(Call::IRRead, -1, handle, Call::IRInit);
     };
     let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
     let beam = Beam { mount, range: infrared.range };

@@ -68,7 +68,9 @@ pub fn quad_release(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `QUADReset`
 pub fn quad_reset(robot: &mut Robot, handles: i32) -> i32 {
-    let Some(quads) = robot.robios.quads.devices(handles) else { return robot.fail_call(Call::QUADReset, -1) };
+    let Some(quads) = robot.robios.quads.devices(handles) else {
+        return robot.refuse_handle(Call::QUADReset, -1, handles, Call::QUADInit);
+    };
     quads.for_each(|index| reset(robot, index));
     0
 }
@@ -119,7 +121,9 @@ pub fn odometer_read(robot: &mut Robot, handle: i32) -> f32 {
 
 /// `QUADODOReset`
 pub fn odometer_reset(robot: &mut Robot, handles: i32) -> i32 {
-    let Some(quads) = robot.robios.quads.devices(handles) else { return robot.fail_call(Call::QUADODOReset, -1) };
+    let Some(quads) = robot.robios.quads.devices(handles) else {
+        return robot.refuse_handle(Call::QUADODOReset, -1, handles, Call::QUADInit);
+    };
     quads.for_each(|index| reset_distance(robot, index));
     0
 }

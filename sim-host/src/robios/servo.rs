@@ -52,9 +52,11 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 
 /// `SERVOSet`
 pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32 {
-    let servos = robot.robios.servos.handles.devices(handles);
-    let (Some(servos), Ok(position)) = (servos, u8::try_from(position)) else {
-        return robot.fail_call(Call::SERVOSet, -1);
+    let Some(servos) = robot.robios.servos.handles.devices(handles) else {
+        return robot.refuse_handle(Call::SERVOSet, -1, handles, Call::SERVOInit);
+    };
+    let Ok(position) = u8::try_from(position) else {
+        return robot.refuse_call(Call::SERVOSet, -1, |_| format!("position {position} is not from 0 to 255"));
     };
     for index in servos {
         turn(robot, world, index, position);

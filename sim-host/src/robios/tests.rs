@@ -131,11 +131,15 @@ fn a_handle_that_is_not_open_gives_one_hint_unless_its_init_has_given_the_reason
     assert_eq!(vw::drive_straight(robot, world, 0, 1.0, 0.5), -1);
     assert_eq!(ready(vw::drive_wait(robot, 0)), -1);
     assert_eq!(motor::drive(robot, world, 3, 50), -1);
+    assert_eq!(servo::set(robot, world, 1, 128), -1);
+    assert_eq!(ir::read(robot, world, 1), -1);
     assert_eq!(
         robot.new_hints,
         [
             "`VWDriveStraight`: handle 0 is not open: pass the one that `VWInit` returns",
-            "`MOTORDrive`: handle 3 is not open: pass the one that `MOTORInit` returns"
+            "`MOTORDrive`: handle 3 is not open: pass the one that `MOTORInit` returns",
+            "`SERVOSet`: handle 1 is not open: pass the one that `SERVOInit` returns",
+            "`IRRead`: handle 1 is not open: pass the one that `IRInit` returns",
         ]
     );
     robot.new_hints.clear();
