@@ -175,7 +175,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             .required(TEXT, program);
             keys.key("arguments", "Arguments before the paths of report and trace.").list(TEXTS, arguments);
             let mut seconds = timeout.seconds();
-            keys.key("timeout_s", "Seconds of real time after which the program is stopped; default: 10.")
+            keys.key("timeout_s", "Seconds of real time after which the program is stopped; default: 60.")
                 .optional(Bounded(Quantity::seconds("time").within(0.1, 3600.0)), &mut seconds);
             *timeout = Time::from_seconds_ceil(seconds);
         }
@@ -717,7 +717,7 @@ impl Variants for CheckSpec {
         }),
         ("script", "A program of the user judges the report and the trace.", || {
             let (program, arguments, folder) = (SpannedText::default(), Vec::new(), String::new());
-            Self::new(CheckKind::Script { program, arguments, timeout: Time::from_millis(10_000), folder })
+            Self::new(CheckKind::Script { program, arguments, timeout: Time::from_millis(60_000), folder })
         }),
     ];
 
