@@ -328,17 +328,18 @@ fn json_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
+/// Writes a new folder with all files, or nothing.
 fn write_folder(folder: &Path, files: &[(String, String)]) -> anyhow::Result<()> {
     if folder.symlink_metadata().is_ok() {
         bail!("`{}` exists already: choose another name, or another folder with `--path`", folder.display());
     }
-    for (name, text) in files {
+    let write = |(name, text): &(String, String)| {
         let path = folder.join(name);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).with_context(|| format!("cannot make the folder `{}`", parent.display()))?;
-        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    Ok(())
+        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))
+    };
+    files.iter().try_for_each(write).inspect_err(|_| drop(fs::remove_dir_all(folder)))
 }
 
 #[cfg(test)]
@@ -358,6 +359,16 @@ mod tests {
         let message = new("maze", Language::Rust, folder.path()).expect_err("it is there");
         assert!(message.contains("maze` exists already"), "{message}");
         assert!(!folder.path().join("maze/Cargo.toml").exists());
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_completed_is_removed() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let new = folder.path().join("maze");
+        let files = [("maze.c", "int main() {}"), ("maze.c/robot.robi", "a file is in the way")];
+        let files = files.map(|(name, text)| (name.to_owned(), text.to_owned()));
+        assert!(write_folder(&new, &files).is_err());
+        assert!(!new.exists());
     }
 
     #[test]
