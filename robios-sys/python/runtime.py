@@ -2186,7 +2186,7 @@ def _report_error(path):
         message, text = message + hint, text + ("" if "Did you mean" in text else hint)
     _sys.stderr.write(text + "\n")
     frames = [frame for frame in traceback.extract_tb(trace) if frame.filename not in _own_files]
-    local_frames = [frame for frame in frames if _os.path.dirname(_os.path.abspath(frame.filename)) == _os.path.dirname(path)]
+    local_frames = [frame for frame in frames if _is_below(_os.path.dirname(path), frame.filename)]
     if isinstance(error, SyntaxError) and error.filename:
         message += f" at {_os.path.basename(error.filename)}:{error.lineno}"
     elif local_frames or frames:
