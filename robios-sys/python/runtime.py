@@ -123,6 +123,15 @@ class _Number(int):
 _Number.__name__ = "int"
 
 
+class _Variable(int):
+    """The value of a variable of this module: no other name has this object, see `_set_variables`."""
+
+    __slots__ = ()
+
+
+_Variable.__name__ = "int"
+
+
 class _Values(tuple):
     """Output parameters of a C call: a tuple with item assignment, for programs written for EyeSim VR's lists."""
 
@@ -1119,7 +1128,7 @@ def _set_variables(**values):
     importers = [vars(module) for module in list(_sys.modules.values()) if type(module) is type(_sys)]
     for name, value in values.items():
         old = globals().get(name)
-        globals()[name] = value = _Number(value)
+        globals()[name] = value = _Variable(value)
         for names in importers:
             # A variable of the same name that the program has defined itself is another object.
             if old is not None and names.get(name) is old:
@@ -2054,7 +2063,7 @@ def _advice(error, trace):
         if module == "robios" or error.name.endswith(".eye"):
             return "the module of the robot is `eye`: write `from eye import *`"
         present = _PYTHON3_MODULES.get(module, module.lower())
-        if module not in getattr(_sys, "stdlib_module_names", ()) and present in getattr(_sys, "stdlib_module_names", ()):
+        if module not in getattr(_sys, "stdlib_module_names", ()) and present.split(".")[0] in getattr(_sys, "stdlib_module_names", ()):
             return f"write `import {present}`"
         if module in getattr(_sys, "stdlib_module_names", ()):
             return f"this Python is installed without its module `{module}`"
@@ -2120,7 +2129,7 @@ _PYTHON3_NAMES = {
 _PYTHON3_METHODS = {"has_key": "key in dictionary", "iteritems": "items", "iterkeys": "keys", "itervalues": "values"}
 
 # Modules of Python 2 that have another name in Python 3; those that differ in case only are not listed.
-_PYTHON3_MODULES = {"StringIO": "io", "cPickle": "pickle", "thread": "threading", "urllib2": "urllib", "tkMessageBox": "tkinter"}
+_PYTHON3_MODULES = {"StringIO": "io", "cPickle": "pickle", "thread": "threading", "urllib2": "urllib.request", "tkMessageBox": "tkinter.messagebox"}
 
 # Typographic letters and those of programs.
 _PLAIN_LETTERS = {"\u201c": '"', "\u201d": '"', "\u201e": '"', "\u2018": "'", "\u2019": "'", "\u2212": "-", "\u2013": "-", "\u2014": "-"}

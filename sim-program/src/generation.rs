@@ -129,7 +129,7 @@ const TYPES_OF_7: &[&str] = &[
 ];
 
 /// Sizes of images in RoBIOS-7, and suffixes that form names of constants and types with them.
-const SIZES_OF_7: &[&str] = &["QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP"];
+pub(crate) const SIZES_OF_7: &[&str] = &["QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP"];
 const SIZE_SUFFIXES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col", "gray"];
 
 /// Alternative names of functions of RoBIOS 6. Source: `include/robios6/variants.h`.

@@ -221,6 +221,10 @@ fn doubly_defined_hints(output: &str) -> String {
         };
         let places = place(before).zip(first.strip_suffix(": first defined here").and_then(place));
         let hint = match places {
+            Some((second, first)) if second != first && is_variable => format!(
+                "{second}: `{name}` is also defined in {first}: if both files share it, write `extern` before it in one of them, and no \
+                 value after it; otherwise give one of them another name"
+            ),
             Some((second, first)) if second != first => format!(
                 "{second}: `{name}` is also defined in {first}: give one of them another name, or write `static` before both"
             ),

@@ -47,7 +47,8 @@ fn modules(text: &str) -> Vec<String> {
         let line = line.split('#').next().unwrap_or_default().trim();
         statement.push_str(line.trim_end_matches('\\'));
         statement.push(' ');
-        let is_open = statement.starts_with("from ") && statement.contains('(') && !statement.contains(')');
+        let is_import = statement.starts_with("from ") && statement.contains(" import");
+        let is_open = is_import && statement.contains('(') && !statement.contains(')');
         if is_open || line.ends_with('\\') {
             continue;
         }

@@ -9,6 +9,7 @@ use super::access::{Accesses, IndexedArray, accesses_of};
 use super::brace::unclosed_brace;
 use super::calls::calls_of;
 use super::code::{TYPES, begins_function, code_only, is_name};
+use super::generation::SIZES_OF_7;
 use super::language::{Language, without_txt};
 
 /// Maximum number of translated lines.
@@ -504,7 +505,10 @@ impl Message<'_> {
                 let name = self.quoted(0)?;
                 Some(format!("`goto {name}` needs a line `{name}:` in the same function"))
             }
-            text if text.starts_with("reference to '") && text.ends_with("is ambiguous") => {
+            text if text.starts_with("reference to '")
+                && text.ends_with("is ambiguous")
+                && self.source.contains("using namespace std") =>
+            {
                 let name = self.quoted(0)?;
                 Some(format!("`{name}` is a name of the C++ library too, because of `using namespace std;`: give yours another name"))
             }
@@ -781,9 +785,9 @@ impl Message<'_> {
         // A `char` pointer of these functions is the name of the file.
         let takes_name = ["IPReadFile", "IPWriteFile"].iter().any(|beginning| function.starts_with(beginning));
         let is_bytes = is_of("BYTE") || is_of("unsigned") || is_of("char") && !takes_name;
-        let array = array_of(function)
+        let array = array_of(function, &code_only(self.source))
             .filter(|(kind, _)| if *kind == "BYTE" { is_bytes } else { is_of(kind) })
-            .or(is_of("char").then_some(("char", "20")));
+            .or_else(|| is_of("char").then(|| ("char", "20".to_owned())));
         match array {
             Some((kind, length)) => {
                 format!("`{name}` points nowhere: declare an array in its place, such as `{kind} {name}[{length}]`")
@@ -827,7 +831,7 @@ impl Message<'_> {
         let lines_above = code.lines().enumerate().take(self.line.parse().ok()?);
         let declared = lines_above.filter_map(|(index, line)| Some((index + 1, declared_type(line, name)?))).last();
         let (line, kind) = declared?;
-        let size = if kind == "BYTE" { "QVGA_SIZE" } else { "10" };
+        let size = if kind == "BYTE" { image_size(&code) } else { "10".to_owned() };
         let example = format!("such as `{kind} {name}[{size}];`");
         let others = if kind == "BYTE" { " (the size of a colour image)" } else { "" };
         Some(format!(
@@ -1487,20 +1491,34 @@ fn called_function(code: &str) -> &str {
     &left[left.trim_end_matches(is_name).len()..]
 }
 
-/// Type and length of the array that a function of RoBIOS takes. An image has the size of QVGA, in which programs usually
-/// take images.
-fn array_of(function: &str) -> Option<(&'static str, &'static str)> {
-    Some(match function {
-        "LIDARGet" | "SIMLaserScan" => ("int", "360"),
-        "RADIOStatus" => ("int", "256"),
-        "CAMGetFrameMono" => ("BYTE", "4800"),
-        "CAMGetFrameColor" | "CAMGetFrameRGB" => ("BYTE", "14400"),
-        "CAMGetFrameBayer" => ("BYTE", "19200"),
-        "CAMGet" | "CAMGetGray" => ("BYTE", "QVGA_SIZE"),
-        _ if function.starts_with("IPP") => return None,
-        _ if ["IP", "LCDImage"].iter().any(|beginning| function.starts_with(beginning)) => ("BYTE", "QVGA_SIZE"),
-        _ => return None,
-    })
+/// Type and length of the array that a function of RoBIOS takes in a program with this code.
+fn array_of(function: &str, code: &str) -> Option<(&'static str, String)> {
+    let takes_image = ["CAMGet", "IP", "LCDImage"].iter().any(|beginning| function.starts_with(beginning));
+    let fixed = |kind, length: &str| Some((kind, length.to_owned()));
+    match function {
+        "LIDARGet" => fixed("int", argument_of("LIDARSet", 2, code).unwrap_or("360")),
+        "SIMLaserScan" => fixed("int", "360"),
+        "RADIOStatus" => fixed("int", "256"),
+        "CAMGetFrameMono" => fixed("BYTE", "4800"),
+        "CAMGetFrameColor" | "CAMGetFrameRGB" => fixed("BYTE", "14400"),
+        "CAMGetFrameBayer" => fixed("BYTE", "19200"),
+        _ if function.starts_with("IPP") || function.starts_with("CAMGetFrame") => None,
+        _ => takes_image.then(|| ("BYTE", image_size(code))),
+    }
+}
+
+/// Number of bytes of a colour image in the resolution that a program sets, `VGA_SIZE` for `CAMInit(VGA)`; that of QVGA if
+/// it is unknown.
+fn image_size(code: &str) -> String {
+    let resolution = argument_of("CAMInit", 0, code).filter(|name| SIZES_OF_7.contains(name));
+    format!("{}_SIZE", resolution.unwrap_or("QVGA"))
+}
+
+/// Argument `index` in the first call of `function`, if no argument has parentheses.
+fn argument_of<'a>(function: &str, index: usize, code: &'a str) -> Option<&'a str> {
+    let (_, rest) = code.split_once(function)?;
+    let (arguments, _) = rest.trim_start().strip_prefix('(')?.split_once(')')?;
+    arguments.split(',').nth(index).map(str::trim).filter(|argument| !argument.is_empty() && !arguments.contains('('))
 }
 
 fn starts_with_word(code: &str, word: &str) -> bool {
@@ -1559,7 +1577,8 @@ pub fn is_empty_clause(code: &str) -> bool {
 fn has_split_condition(code: &str) -> bool {
     let clause = ["if", "while"]
         .into_iter()
-        .find_map(|word| code.find(&format!("{word} (")).or_else(|| code.find(&format!("{word}("))));
+        .find_map(|word| code.find(&format!("{word} (")).or_else(|| code.find(&format!("{word}("))))
+        .filter(|offset| !code[..*offset].ends_with(is_name));
     let rest = clause.and_then(|offset| behind_parentheses(&code[offset..]));
     rest.is_some_and(|rest| ["&&", "||"].iter().any(|operator| rest.trim_start().starts_with(operator)))
 }
@@ -1980,9 +1999,9 @@ mod tests {
                 "`log` is the name of a function of the C library: give yours another one",
             ),
             (
-                1,
+                22,
                 "reference to 'left' is ambiguous",
-                "left = 5;",
+                "using namespace std; left = 5;",
                 "`left` is a name of the C++ library too, because of `using namespace std;`: give yours another name",
             ),
         ];
@@ -2018,6 +2037,13 @@ mod tests {
                 24,
                 "expected ';' before 'return'".to_owned(),
                 "ok = (a > 5) && (b < 3)",
+                "a `;` is missing at the end of this line".to_owned(),
+            ),
+            (
+                "a.c",
+                37,
+                "expected ';' before 'return'".to_owned(),
+                "ok = check_if(x) && check_if(y)",
                 "a `;` is missing at the end of this line".to_owned(),
             ),
             (
@@ -2322,12 +2348,14 @@ mod tests {
                 "a.c:7:2: warning: 'z' is used uninitialized [-Wuninitialized]\n    7 |  {code}\n      |  ^~~\n\
                  a.c:6:7: note: 'z' was declared here\n    6 |   {declaration}\n      |       ^\n"
             );
-            in_plain_words(&output, ("a.c", "")).trim_end().trim_start_matches("a.c:7: ").to_owned()
+            in_plain_words(&output, ("a.c", code)).trim_end().trim_start_matches("a.c:7: ").to_owned()
         };
         let array = |array: &str| format!("`z` points nowhere: declare an array in its place, such as `{array}`");
         assert_eq!(argument("BYTE *z;", "if (CAMGet(z) != 0)"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("unsigned char *z;", "IPOverlay(mask(a), z, b);"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("char *z;", "CAMGet(z);"), array("BYTE z[QVGA_SIZE]"));
+        assert_eq!(argument("BYTE *z;", "CAMInit( VGA ); CAMGet(z);"), array("BYTE z[VGA_SIZE]"));
+        assert_eq!(argument("int *z;", "LIDARSet(180, 0, 90); LIDARGet(z);"), array("int z[90]"));
         assert_eq!(argument("char *z;", "IPReadFile(z, img);"), array("char z[20]"));
         assert_eq!(argument("BYTE *z;", "IPReadFile(name, z);"), array("BYTE z[QVGA_SIZE]"));
         assert_eq!(argument("int *z;", "n = LIDARGet(z);"), array("int z[360]"));

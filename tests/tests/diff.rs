@@ -17,8 +17,12 @@ int main(void) {
 
 /// Runs three robots and writes `NAME.jsonl` and `NAME.json`.
 fn run(scratch: &Scratch, name: &str, args: &[&str]) {
+    run_program(scratch, name, LOOK, args);
+}
+
+fn run_program(scratch: &Scratch, name: &str, program: &str, args: &[&str]) {
     let (trace, report) = (format!("{name}.jsonl"), format!("{name}.json"));
-    scratch.write("look.c", LOOK);
+    scratch.write("look.c", program);
     let scene = write_crowd(scratch, 3, "look.c");
     let files = ["run", scene.to_str().expect("UTF-8"), "--trace", &trace, "--report", &report];
     let ran = scratch.eyesim(&[&files[..], args].concat());
@@ -119,4 +123,20 @@ fn runs_of_different_slots_are_compared_by_their_positions() {
     assert!(ran.stdout.starts_with("slot: 0.020 s in A, 0.050 s in B\n"), "{}", ran.stdout);
     assert!(ran.stdout.contains("only the positions of robots"), "{}", ran.stdout);
     assert!(!ran.stdout.contains("diverge") && !ran.stdout.contains("apart"), "{}", ran.stdout);
+}
+
+#[test]
+fn robots_that_rest_at_the_common_ends_of_slots_are_compared() {
+    let scratch = Scratch::new();
+    let drive = |time: &str| {
+        format!(
+            "#include \"eyebot.h\"\nint main(void) {{\n    VWHandle vw = VWInit(VW_DRIVE, 1);\n    VWSetSpeed(vw, 0.1, 0.0);\n    \
+             OSWait({time});\n    VWSetSpeed(vw, 0.0, 0.0);\n    OSWait(300);\n    return 0;\n}}\n"
+        )
+    };
+    run_program(&scratch, "a", &drive("50"), &["--slot", "49"]);
+    run_program(&scratch, "b", &drive("30"), &["--slot", "50"]);
+    // The first common end is at 2.45 s.
+    let ran = diff(&scratch, "a.jsonl", "b.jsonl");
+    assert!(ran.stdout.contains("apart") && ran.stdout.contains("2.450 s"), "{}", ran.stdout);
 }

@@ -86,7 +86,7 @@ CAMHEIGHT = QVGA_Y
 CAMInit(QQVGA)
 print(CAMWIDTH, CAMHEIGHT, CAMPIXELS, CAMSIZE, CAMMODE, IP_WIDTH, sizes())
 IPSetSize(CUSTOM, 4, 2)
-print(CAMWIDTH, IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE, sizes())
+print(CAMWIDTH, IP_WIDTH, IP_HEIGHT, IP_PIXELS, IP_SIZE, sizes(), len(bytes(IP_SIZE)))
 LCDImageStart(0, 0, 2, 2)
 try:
     LCDImageGray([[1, 2], [3, 4]])
@@ -98,7 +98,7 @@ except TypeError as error:
     assert_eq!(ran.code, Some(0), "{ran:#?}");
     for expected in [
         "160 240 19200 57600 0 160 (120, 3)",
-        "160 4 2 8 24 (120, 3)",
+        "160 4 2 8 24 (120, 3) 24",
         "LCDImageGray: expected a list of numbers from 0 to 255, got one with [1, 2]: write `[pixel for row in image for pixel in row]`",
     ] {
         assert!(ran.stdout.contains(expected), "{expected}: {}", ran.stdout);

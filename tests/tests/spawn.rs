@@ -259,15 +259,17 @@ fn a_removed_robot_sends_no_more_and_keeps_its_pose_and_outcome() {
         let report = scratch.report("radio.scene.toml", &["--repeat", "interventions.jsonl", "--until", "5"], 0);
         let [removed, counts] = [0, 1].map(|index| report["robots"][index].clone());
         let lcd = counts["lcd"][0].as_str().unwrap_or_default().to_owned();
-        (removed["outcome"].clone(), number(&removed, "pose.x_m"), lcd)
+        let ended_at = number(&removed, "virtual_time_s");
+        (removed["outcome"].clone(), number(&removed, "pose.x_m"), lcd, ended_at)
     };
     // The second of the messages of half a second is on the air.
-    let (outcome, x, count) = run("forever.c", "");
+    let (outcome, x, count, ended_at) = run("forever.c", "");
     assert!(outcome == "removed" && (x - 0.8).abs() < 0.01 && count == "2", "{outcome} {x} {count}");
-    let (outcome, x, _) = run("send.c", "");
-    assert!(outcome == "finished" && (x - 0.8).abs() < 0.01, "{outcome} {x}");
-    let (outcome, x, _) = run("forever.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
+    assert!((ended_at - 1.0).abs() < 0.1, "{ended_at}");
+    let (outcome, x, _, ended_at) = run("send.c", "");
+    assert!(outcome == "finished" && (x - 0.8).abs() < 0.01 && ended_at < 0.1, "{outcome} {x} {ended_at}");
+    let (outcome, x, ..) = run("forever.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
     assert!(outcome == "halted" && (x - 0.65).abs() < 0.01, "{outcome} {x}");
-    let (outcome, x, _) = run("send.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
-    assert!(outcome == "finished" && (x - 0.65).abs() < 0.01, "{outcome} {x}");
+    let (outcome, x, _, ended_at) = run("send.c", "[[fault]]\nkind = \"dies\"\nat_s = 0.5\n");
+    assert!(outcome == "finished" && (x - 0.65).abs() < 0.01 && ended_at < 0.1, "{outcome} {x} {ended_at}");
 }

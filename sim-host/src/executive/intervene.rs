@@ -137,7 +137,10 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
 /// Stops the motors of a robot with a program, which run on after a program of RoBIOS-7 has ended.
 fn halt(robot: &mut Robot, has_program: bool, at: Time, world: &World) {
     if has_program {
+        // The time of a program that has ended is its end, which the report gives.
+        let ended_at = robot.ending.is_some().then_some(robot.now);
         robot.now = robot.now.max(at);
         robot.halt(world);
+        robot.now = ended_at.unwrap_or(robot.now);
     }
 }

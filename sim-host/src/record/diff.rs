@@ -87,6 +87,8 @@ impl TraceDiff {
             }
             diff.compare(end, slots, &mut last_events);
         }
+        let [a, b] = diff.ends;
+        diff.measure_by(a.zip(b).map_or(diff.compared_until, |(a, b)| a.max(b)));
         Ok(diff)
     }
 
@@ -131,19 +133,35 @@ impl TraceDiff {
         slots: [Vec<RecordedEvent>; 2],
         last_events: &mut BTreeMap<Option<u32>, RecordedEvent>,
     ) {
+        // Robots without an event in a slot stay where they are.
+        self.measure_by(end - Time(1));
         self.compared_until = end;
         for (run, events) in slots.iter().enumerate() {
             for event in events.iter().filter(|event| is_position(event)) {
                 self.paths.entry(event.robot.unwrap_or_default()).or_default().push(run, event);
             }
         }
-        if self.slots.iter().all(|slot| end.floor_to(*slot) == end) {
-            self.paths.values_mut().for_each(|paths| paths.measure(end));
-        }
         if self.first.is_none() && self.compares_events() {
             self.first = first_difference(end, slots, last_events);
         }
     }
+}
+
+    /// Measures the distances at the last instant, not after `end`, at which slots of both runs end, unless events after
+    /// this instant have been compared.
+    fn measure_by(&mut self, end: Time) {
+        let [a, b] = self.slots.map(|slot| slot.0.max(1));
+        let common = (a / gcd(a, b)).checked_mul(b).map_or(Time::NEVER, Time);
+        let at = end.floor_to(common);
+        if at >= self.compared_until {
+            self.paths.values_mut().for_each(|paths| paths.measure(at));
+        }
+    }
+}
+
+/// Greatest common divisor of two positive numbers.
+fn gcd(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 impl PathPair {
