@@ -145,7 +145,6 @@ impl TraceDiff {
             self.first = first_difference(end, slots, last_events);
         }
     }
-}
 
     /// Measures the distances at the last instant, not after `end`, at which slots of both runs end, unless events after
     /// this instant have been compared.
