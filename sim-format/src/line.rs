@@ -227,14 +227,13 @@ pub(super) fn without_commas<'w, 't: 'w>(
 /// Guess of the number that the user meant. Corrects a comma instead of the point, after the number or before each
 /// three digits, letters instead of digits, a dash instead of the minus sign, or an attached unit.
 pub(super) fn guessed_number(word: &str) -> Option<String> {
-    let word = word.trim_end_matches([',', ';']);
+    let word = word.trim_end_matches([',', ';']).replace(DASHES, "-");
     let without_unit =
-        ["mm/s", "mm", "deg/s", "deg", "°", "kg"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
+        ["mm/s", "mm", "deg/s", "deg", "°", "kg"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(&word);
     let corrected = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',
         ',' => '.',
-        c if DASHES.contains(&c) => '-',
         c => c,
     };
     let guess = match has_thousands(without_unit) {
@@ -336,6 +335,7 @@ mod tests {
         assert_eq!(guessed_number("\u{2013}90").as_deref(), Some("-90"));
         assert_eq!(guessed_number("5kg").as_deref(), Some("5"));
         assert_eq!(guessed_number("1,000,000").as_deref(), Some("1000000"));
+        assert_eq!(guessed_number("\u{2013}2,000").as_deref(), Some("-2000"));
         assert_eq!(guessed_number("-2,000mm").as_deref(), Some("-2000"));
         assert_eq!(guessed_number("0,125").as_deref(), Some("0.125"));
     }

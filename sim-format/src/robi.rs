@@ -203,7 +203,8 @@ impl Reader {
         };
         let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("position of the axle")];
         let span = span_of(keyword, rest);
-        if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, syntax) {
+        let words = format!("axel {}", rest[0].text);
+        if let Some([_, forward]) = values_of(&mut self.sink, &words, values, span, &quantities, syntax) {
             self.axles[axle] = Some((forward, span));
         }
     }

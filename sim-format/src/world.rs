@@ -241,7 +241,11 @@ impl Reader {
         let extent = if extent.min_element() > 0.0 { extent } else { DVec2::splat(extent.max_element()) };
         self.world.floor = DVec2::new(self.width.unwrap_or(extent.x), self.height.unwrap_or(extent.y));
         if self.world.floor.min_element() <= 0.0 && !self.has_wrong_size {
-            let message = "the size of the floor is not given, and there are no walls to take it from";
+            let message = if self.world.walls.is_empty() {
+                "the size of the floor is not given, and there are no walls to take it from"
+            } else {
+                "the size of the floor is not given, and no wall has a coordinate above 0"
+            };
             self.sink.error(Code::WldFloorMissing, Default::default(), message, FLOOR_SYNTAX);
         } else if (self.width.is_none() || self.height.is_none()) && !self.has_wrong_size {
             let (width, height) = (self.world.floor.x * 1000.0, self.world.floor.y * 1000.0);

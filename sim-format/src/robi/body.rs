@@ -70,7 +70,8 @@ impl Reader {
     }
 }
 
-/// Reads the `N` values of a keyword; warns about extra values, and about too few values, for which it returns `None`.
+/// Reads the `N` values of a `keyword` such as `mass` or `collider box`; warns about extra values, and about too few
+/// values, for which it returns `None`.
 pub(super) fn values_of<const N: usize>(
     sink: &mut Sink,
     keyword: &str,
@@ -81,8 +82,9 @@ pub(super) fn values_of<const N: usize>(
 ) -> Option<[f64; N]> {
     if words.len() < N {
         let message = format!("`{keyword}` has {} of {N} numbers", words.len());
+        let keywords: Vec<Word<'_>> = keyword.split(' ').map(|text| Word { text, span, is_unclosed: false }).collect();
         sink.warn(Code::RobiNumberMissing, span, message, syntax).suggestion =
-            line::without_commas(words, |words| words.len() == N);
+            line::without_commas(keywords.iter().chain(words), |line| line.len() == keywords.len() + N);
         return None;
     }
     if let Some(extra) = words.get(N) {

@@ -56,7 +56,10 @@ impl Reader {
             Some((_, Ok(id))) => Some(id),
             Some((word, Err(_))) => {
                 let message = format!("`{}` is not a device number", word.text);
-                self.sink.warn(Code::RobiPsdId, word.span, message, syntax).suggestion = line::number_hint(word.text);
+                let guess = line::guessed_number(word.text).and_then(|text| text.parse::<f64>().ok());
+                let number = guess.map(|guess| guess.to_string()).filter(|text| text.parse::<i32>().is_ok());
+                self.sink.warn(Code::RobiPsdId, word.span, message, syntax).suggestion =
+                    number.map(|number| format!("write `{number}`"));
                 return;
             }
         };
