@@ -76,7 +76,7 @@ impl Reader {
             }
             "obj" | "object" => self.read_object_type(first, rest),
             "marker" => self.read_marker(first, rest),
-            word if builtin::ROBOTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.read_robot(first, rest),
+            word if is_built_in_robot(word) => self.read_robot(first, rest),
             word if builtin::OBJECTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => {
                 self.read_object(first, rest)
             }
@@ -146,14 +146,23 @@ impl Reader {
     /// Reads `obj FILE` or `object FILE`, which loads an object type.
     fn read_object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let syntax = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
-        if let Some((name, pose)) = rest.split_first()
-            && matches!(count_numbers(pose), 3 | 4)
+        if rest.len() > 1 && is_number(&rest[0]) {
+            let message = format!("`{}` loads a type, and a pose follows", keyword.text);
+            let line = rest.iter().map(Word::quoted).collect::<Vec<_>>().join(" ");
+            self.sink.warn(Code::SimObjectArity, line_span(keyword, rest), message, syntax).suggestion =
+                (rest.len() == 5 && count_numbers(rest) == 4).then(|| format!("write `object {line}`"));
+            return;
+        }
+        if let [name, x, y, phi, after_pose @ ..] = rest
+            && [x, y, phi].into_iter().all(is_number)
         {
             let message = format!("`{}` has a name before the pose", keyword.text);
-            let pose: Vec<&str> = pose.iter().map(|word| word.text).collect();
-            let suggestion = match pose.len() {
-                3 => format!("write `{} {}`", name.quoted(), pose.join(" ")),
-                _ => format!("write `object {} {}`", pose.join(" "), name.quoted()),
+            let pose = [x, y, phi].map(|word| word.text).join(" ");
+            let friction = after_pose.first().filter(|word| is_number(word)).map_or("FRICTION", |word| word.text);
+            // A file has an extension, the name of a type has none.
+            let suggestion = match path::extension(name.text).as_str() {
+                "" => format!("write `{} {pose}`", name.quoted()),
+                _ => format!("write `object {pose} {friction} {}`", name.quoted()),
             };
             let span = line_span(keyword, rest);
             self.sink.warn(Code::SimObjectArity, span, message, syntax).suggestion = Some(suggestion);
@@ -189,28 +198,29 @@ impl Reader {
                 Some(format!("write `{} {words}`", keyword.text));
             return;
         }
-        if let [x, y, phi] = &rest[1..]
+        if let [x, y, phi, after_pose @ ..] = &rest[1..]
             && [x, y, phi].into_iter().all(is_number)
+            && !after_pose.first().is_some_and(is_number)
         {
-            let message = format!("`{}` names no program", keyword.text);
-            let words = format!("{} PROGRAM {} {} {}", robi.quoted(), x.text, y.text, phi.text);
+            let pose = [x, y, phi].map(|word| word.text).join(" ");
+            let (robi, program) = match after_pose.first() {
+                Some(last) if is_robi(last) => (last, Some(robi)),
+                program => (robi, program),
+            };
+            let (kind, file) = (keyword.text, robi.quoted());
+            let (fault, line) = match program.map(Word::quoted) {
+                program if path::extension(robi.text).is_empty() => {
+                    let name = builtin::ROBOTS.into_iter().find(|name| name.eq_ignore_ascii_case(&file));
+                    let program = program.map(|program| format!(" {program}")).unwrap_or_default();
+                    ("has the name of a type, and no file", format!("{} {pose}{program}", name.unwrap_or(&file)))
+                }
+                Some(program) => ("has its program after the start pose", format!("{kind} {file} {program} {pose}")),
+                None if is_robi(robi) => ("names no program", format!("{kind} {file} PROGRAM {pose}")),
+                None => ("names no robot file", format!("{kind} FILE.robi {file} {pose}")),
+            };
+            let message = format!("`{kind}` {fault}");
             self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
-                Some(format!("write `{} {words}`", keyword.text));
-            return;
-        }
-        if let [x, y, phi, program] = &rest[1..]
-            && [x, y, phi].into_iter().all(is_number)
-            && !is_number(program)
-        {
-            let message = format!("`{}` has its program after the start pose", keyword.text);
-            let (robi, program) = if is_robi(program) { (program, robi) } else { (robi, program) };
-            let [robi, program] = [robi, program].map(Word::quoted);
-            let pose = format!("{} {} {}", x.text, y.text, phi.text);
-            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
-                Some(match builtin::ROBOTS.iter().find(|name| name.eq_ignore_ascii_case(&robi)) {
-                    Some(name) => format!("write `{name} {pose} {program}`"),
-                    None => format!("write `{} {robi} {program} {pose}`", keyword.text),
-                });
+                Some(format!("write `{line}`"));
             return;
         }
         if name_count > 2 && count_numbers(&rest[name_count..]) >= 3 {
@@ -300,6 +310,12 @@ impl Reader {
 
     /// Reads a line that may place a robot or an object of a loaded type; reports a line that has another form.
     fn read_line_of_type(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+        if is_number(first) && rest.len() >= 3 && rest.iter().all(is_number) {
+            let message = "a line of numbers describes a wall of a world";
+            self.sink.warn(Code::SimKeyword, line_span(first, rest), message, KEYWORD_SYNTAX).suggestion =
+                Some(OF_WORLD.to_owned());
+            return;
+        }
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));
         if (is_pose || is_letter) && !first.text.trim().is_empty() {
@@ -327,7 +343,11 @@ impl Reader {
         if world::KEYWORDS.iter().any(|word| word.eq_ignore_ascii_case(first.text)) {
             let message = format!("`{}` describes a world", first.text);
             self.sink.report(severity, Code::SimKeyword, first.span, message, KEYWORD_SYNTAX).suggestion =
-                Some("write this line into the file `NAME.wld` that `world NAME.wld` names".to_owned());
+                Some(OF_WORLD.to_owned());
+            return;
+        }
+        if nearest.is_none() && has_word_before_pose(rest) {
+            self.report_word_before_pose(severity, first, rest, PLACE_NAMED);
             return;
         }
         if nearest.is_none() && count_numbers(rest) > 1 {
@@ -356,18 +376,8 @@ impl Reader {
                 self.report_short_pose(Severity::Error, name, rest, syntax);
                 return None;
             }
-            None if !is_number(&rest[0]) && count_numbers(&rest[1..]) >= 3 => {
-                let message = format!("`{}` stands before the start pose", rest[0].text);
-                let pose = rest[1..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
-                let is_program = !path::extension(rest[0].text).is_empty();
-                self.sink.error(Code::SimPlaceArity, span, message, syntax).suggestion = Some(if is_program {
-                    format!("write `{} {pose} {}`", name.text, rest[0].text)
-                } else {
-                    format!(
-                        "a name of two words stands between double quotes: `\"{} {}\" {pose}`",
-                        name.text, rest[0].text
-                    )
-                });
+            None if has_word_before_pose(rest) => {
+                self.report_word_before_pose(Severity::Error, name, rest, syntax);
                 return None;
             }
             None => {
@@ -385,6 +395,23 @@ impl Reader {
         Some(RobotLine { kind, program, arguments, start: start?, span, ..RobotLine::default() })
     }
 
+    /// Reports a line with a word between the name and the pose: its program, or the second word of the name.
+    fn report_word_before_pose(&mut self, severity: Severity, name: &Word<'_>, rest: &[Word<'_>], syntax: &str) {
+        let (word, pose) = (&rest[0], &rest[1..]);
+        let is_program = is_built_in_robot(name.text) || !path::extension(word.text).is_empty();
+        let line = pose.iter().map(Word::quoted).collect::<Vec<_>>().join(" ");
+        let message = format!("`{}` stands before the start pose", word.text);
+        self.sink.report(severity, Code::SimPlaceArity, line_span(name, rest), message, syntax).suggestion =
+            match (is_program, pose.len()) {
+                (true, 3) => Some(format!("write `{} {line} {}`", name.quoted(), word.quoted())),
+                (true, _) => None,
+                (false, _) => Some(format!(
+                    "a name of two words stands between double quotes: `\"{} {}\" {line}`",
+                    name.text, word.text
+                )),
+            };
+    }
+
     /// Reports a line whose pose has fewer than three numbers.
     fn report_short_pose(&mut self, severity: Severity, name: &Word<'_>, rest: &[Word<'_>], syntax: &str) {
         let count = count_numbers(rest);
@@ -393,7 +420,7 @@ impl Reader {
         let line = std::iter::once(name).chain(rest);
         self.sink.report(severity, Code::SimPlaceArity, line_span(name, rest), message, syntax).suggestion =
             line::without_commas(line, |words| {
-                words.iter().skip(1).take_while(|word| word.parse::<f64>().is_ok()).count() >= 3
+                words.iter().skip(1).take_while(|word| word.parse::<f64>().is_ok()).count() == 3
             });
     }
 
@@ -445,6 +472,16 @@ fn is_number(word: &Word<'_>) -> bool {
     line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::guessed_number(word.text).is_some())
 }
 
+/// Returns true for the name of a built-in robot.
+fn is_built_in_robot(name: &str) -> bool {
+    builtin::ROBOTS.iter().any(|known| known.eq_ignore_ascii_case(name))
+}
+
+/// Returns true for a word and the three numbers of a pose.
+fn has_word_before_pose(words: &[Word<'_>]) -> bool {
+    words.split_first().is_some_and(|(word, pose)| !is_number(word) && count_numbers(pose) >= 3)
+}
+
 /// Returns true if a pose has fewer than three numbers because some are missing, not because one is misspelt.
 fn is_short(pose: &[Word<'_>]) -> bool {
     let count = count_numbers(pose);
@@ -464,6 +501,9 @@ fn letter(word: &Word<'_>) -> Option<char> {
     let letter = characters.next().filter(char::is_ascii_alphabetic)?;
     characters.next().is_none().then(|| letter.to_ascii_uppercase())
 }
+
+/// Suggestion for a line of a world.
+pub(super) const OF_WORLD: &str = "write this line into the file `NAME.wld` that `world NAME.wld` names";
 
 const KEYWORD_SYNTAX: &str =
     "one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`";

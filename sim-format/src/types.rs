@@ -7,7 +7,7 @@ use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::{Files, Loader};
 use super::spec::{ObjectType, RobiSpec, SceneFormat, SimSpec, SpannedText};
-use super::{Severity, Span, builtin, line, path, sim};
+use super::{Severity, Span, builtin, line, path, sim, world};
 
 /// Type of a robot or of an object.
 #[derive(Clone, Debug)]
@@ -192,6 +192,9 @@ impl Types {
             return Some(format!("write `{}`, the name that `{}` gives to the type", kind.name(), kind.file()));
         }
         self.nearby_line(loader, folder, name).or_else(|| {
+            if self.format == SceneFormat::Sim && world::KEYWORDS.contains(&name) {
+                return Some(sim::OF_WORLD.to_owned());
+            }
             let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);
             line::nearest(name, names).map(|name| format!("write `{name}`"))
         })

@@ -125,20 +125,32 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (
         Code::SimPlaceArity,
         "a.sim",
+        "S4 maze 5 5 0\nS4 a.c 5 5 0 b.c\nHexapod a.c 5 5 0\nGoal Post 5 5 0\nS4 100,5 200,5 a.c\nS4 \u{2013}2,000 5 0\n",
+    ),
+    (
+        Code::SimPlaceArity,
+        "a.sim",
         "S4 500,500,90 a.c\ncan 800,800,0\nLabBot 5,5 0 a.c\nS4 5 5 north a.c\nS4 5 5 \u{2013}90\n",
     ),
     (Code::SimMarkerArity, "a.sim", "marker 700 500 255,0,0\n"),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\nfloor 2000 2000\n"),
     (Code::SimKeyword, "a.sim", "// S4 5 5 0\n//S4 5 5 0\n/* none */\nS4 5 5 0 a.c // north\nworld a.wld // box\n"),
+    (Code::SimKeyword, "a.sim", "0 0 4000 0\n0 0 600 0 20 150 255 0 0\n"),
     (Code::SimKeyword, "a.sim", "world=a.wld\nrobi = \"my bot.robi\" a.so\n"),
     (Code::SimObjectArity, "a.sim", "object 1 2 3 can.ms3d\n"),
     (Code::SimObjectArity, "a.sim", "object can 8 8 0\nobject can.ms3d 8 8 0 0.1\ncan 8 8 0 red\n"),
+    (
+        Code::SimObjectArity,
+        "a.sim",
+        "object can 8 8 0 red\nobject stop.esObj 8 8 0\nobj 100 200 0 0.5 can.obj\nobj 100 200 0 can.obj\n",
+    ),
     (
         Code::SimRobiArity,
         "a.sim",
         "robi a.robi a.so 1 2\nrobi my bot.robi drive.c 1 2 3\nrobot a.robi 1 2 3 a.so\nrobi s4 1 2 3 a.so\n",
     ),
+    (Code::SimRobiArity, "a.sim", "robot s4 5 5 0\nrobot MyBot 5 5 0 a.c\nrobi a.c 5 5 0\n"),
     (Code::SimRobiArity, "a.sim", "robi a.c a.robi 5 5 0\nrobi a.c 5 5 0 a.robi\nrobi a.robi 5 5 0\n"),
     (Code::SimWorldTwice, "a.sim", "world a.wld\nmaze b.maz\n"),
     (
@@ -214,6 +226,7 @@ const SCENES: &[(Code, &str)] = &[
         Code::SimTypeUnknown,
         "world v.wld\nStopSign 800 800 0\nLabot 500 500 0 a.py\nwonder S\nobject stop.esObj\nstop 1 2 3\nsoccr 1 2 3\n",
     ),
+    (Code::SimTypeUnknown, "world v.wld\nS4 500 500 0\npush 500 700 45\n"),
     (
         Code::SimTypeUnknown,
         "world v.wld\nobject Cone.esObj\nrobot no.robi\nCone 100 100 0\nno 500 500 0 a.py\nother 200 200 0 a.py\n",
