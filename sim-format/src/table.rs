@@ -26,6 +26,8 @@ pub(super) struct Reader {
     line_starts: Vec<usize>,
     /// Parts of the text that are not TOML.
     syntax_errors: Vec<Range<usize>>,
+    /// True for a scene, whose values may be drawn.
+    pub(super) has_draws: bool,
 }
 
 /// A table; records the keys that have been looked up.
@@ -68,6 +70,7 @@ impl Reader {
             offset: byte_count - text.len(),
             text: text.to_owned(),
             syntax_errors: errors.iter().filter_map(toml::de::Error::span).collect(),
+            has_draws: false,
         };
         if let Some(span) = first_sim_word(text).filter(|_| !errors.is_empty()) {
             let expected = "TOML: `key = value` lines and `[section]` lines";
@@ -80,12 +83,30 @@ impl Reader {
         for error in errors {
             let span = reader.span(error.span().unwrap_or(0..0));
             let expected = "TOML: `key = value` lines and `[section]` lines";
-            let written = error.span().and_then(|span| text.get(span)).unwrap_or_default();
-            reader.sink.error(Code::TomlSyntax, span, error.message().trim(), expected).suggestion =
-                line::number_hint(written);
+            let hint = error.span().and_then(|span| number_hint(text, span.start));
+            reader.sink.error(Code::TomlSyntax, span, error.message().trim(), expected).suggestion = hint;
         }
         (reader, root.into_inner())
     }
+}
+
+/// Suggestion for the malformed number around a byte of a TOML text: a number without leading zeros, with digits on both
+/// sides of its point.
+fn number_hint(text: &str, byte: usize) -> Option<String> {
+    let separates = |c: char| c.is_whitespace() || "=[]{}#\"'".contains(c);
+    let (before, after) = text.split_at_checked(byte)?;
+    let start = before.trim_end_matches(|c| !separates(c)).len();
+    let end = byte + after.find(separates).unwrap_or(after.len());
+    let word = text[start..end].trim_matches(',');
+    let guess = Some(word).filter(|word| line::looks_numeric(word)).and_then(line::guessed_number)?;
+    let number = guess.parse::<f64>().ok()?.to_string();
+    if !word.contains(',') {
+        return (number != word).then(|| format!("write `{number}`"));
+    }
+    // Between the values of an array, only a comma before three digits is surely part of a number.
+    let is_single = text[..start].trim_end().ends_with('=');
+    let is_number = is_single || word.matches(',').count() == 1 && !guess.contains('.');
+    is_number.then(|| format!("write `{number}`: a comma separates values"))
 }
 
 /// The first word of `text`, if the text begins like a sim file.
@@ -278,8 +299,7 @@ impl Reader {
         let items = match value.get_ref() {
             DeValue::Array(items) if items.len() == N => items,
             DeValue::Array(items) => {
-                let message = format!("`{key}` has {} values", items.len());
-                self.sink.error(Code::TomlType, self.span(value.span()), message, expected);
+                self.wrong_length(key, value.span(), items.len(), &expected);
                 return None;
             }
             _ => {
@@ -307,9 +327,8 @@ impl Reader {
         let expected = format!("an array of {N} integers from 0 to 255");
         let items = self.array(section, key, &expected)?;
         if items.len() != N {
-            let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
-            let message = format!("`{key}` has {} values", items.len());
-            self.sink.error(Code::TomlType, span, message, expected);
+            let span = section.get(key).map_or(SET, Spanned::span);
+            self.wrong_length(key, span, items.len(), &expected);
             return None;
         }
         let shades: Vec<u8> =
@@ -433,10 +452,23 @@ impl Reader {
         }
     }
 
+    /// Reports an array of a wrong length, unless a part of it is not TOML.
+    fn wrong_length(&mut self, key: &str, span: Range<usize>, length: usize, expected: &str) {
+        if !self.is_guess(&span) {
+            let message = format!("`{key}` has {length} values");
+            self.sink.error(Code::TomlType, self.span(span), message, expected);
+        }
+    }
+
+    /// Returns true for a value at or in which the text is not TOML.
+    fn is_guess(&self, span: &Range<usize>) -> bool {
+        self.syntax_errors.iter().any(|error| error.start <= span.end && span.start <= error.end)
+    }
+
     /// Reports a value of a wrong type, unless it is the guess for a part that is not TOML.
     pub(super) fn wrong_type(&mut self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
         let span = value.span();
-        if self.syntax_errors.iter().any(|error| error.start < span.end && span.start < error.end) {
+        if self.is_guess(&span) {
             return;
         }
         let message = format!("`{key}` is of type {}", value.get_ref().type_str());
@@ -445,7 +477,10 @@ impl Reader {
             _ => None,
         };
         self.sink.error(Code::TomlType, self.span(span), message, expected).suggestion =
-            draw.map(|key| format!("write `{key}`"));
+            draw.map(|key| match self.has_draws {
+                true => format!("write `{key}`"),
+                false => "only scenes have random values".to_owned(),
+            });
     }
 
     pub(super) fn unknown_keys(&mut self, section: &Section<'_, '_>) {

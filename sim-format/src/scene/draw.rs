@@ -112,6 +112,7 @@ fn get<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<&'t Spanned<DeValue<
 impl Reader {
     /// Draws the values of a scene.
     pub(crate) fn draw<'i>(&mut self, root: DeTable<'i>, draw: Draw, texts: &'i Texts) -> DrawnDocument<'i> {
+        self.has_draws = true;
         let (seed, attempt, extreme) = match draw {
             Draw::Seed(seed, attempt) => (seed.or_else(|| stated_seed(&root)).unwrap_or_default(), attempt, None),
             Draw::Extreme(number) => (number as u64, 0, Some(number)),

@@ -173,6 +173,13 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::TomlMissing, "a.toml", "[[bumper]]\nid = 3\nfrom_deg = 1\n"),
     (Code::TomlSyntax, "a.toml", "[drive\nwheelbase_mm = = 3\n"),
     (Code::TomlSyntax, "a.toml", "[drive]\nwheel_lag_ms = 50ms\n"),
+    (
+        Code::TomlSyntax,
+        "a.toml",
+        "[drive]\nwheel_lag_ms = 090\nwheelbase_mm = .5\nmax_steer_deg = 5.\n[hull]\ndrag_up = [2,000, 3,000]\ndrag_turn = [1,05, 2]\n",
+    ),
+    (Code::TomlSyntax, "a.toml", "[drive]\nwheel_lag_ms = 3,5\nwheelbase_mm = 50mm\nmax_steer_deg = 2,000\n"),
+    (Code::TomlType, "a.toml", "[drive]\nwheel_lag_ms = { uniform = [0, 5] }\n"),
     (Code::TomlType, "a.toml", "psd = 3\n[drive]\nwheel_lag_ms = \"fast\"\n[hdt]\nMOTOR_LEFT = 1.5\n"),
     (Code::WldFloorArity, "a.wld", "floor 1000\n"),
     (Code::WldFloorArity, "a.wld", "floor 2000,3000\npush 1,2,3\n"),

@@ -490,6 +490,9 @@ fn a_mistake_has_one_message_and_a_suggestion() {
     };
     let write = |text: &str| Some(format!("write `{text}`"));
     assert_eq!(reported("x_mm = 500mm"), [(Code::TomlSyntax, write("500"))]);
+    for (written, number) in [("0500", "500"), ("-007", "-7"), (".5", "0.5"), ("5.", "5"), ("00.5", "0.5")] {
+        assert_eq!(reported(&format!("x_mm = {written}")), [(Code::TomlSyntax, write(number))], "{written}");
+    }
     assert_eq!(reported("x_mm = { unifrom = [1, 2] }"), [(Code::TomlType, write("uniform"))]);
     assert_eq!(reported("x_mm = 500\ncount = 0"), [(Code::NumberRange, None)]);
     assert_eq!(reported("x_mm = 500\ncount = 2.0"), [(Code::TomlType, None)]);
