@@ -30,7 +30,8 @@ def stub():
 
 def declaration(name, value):
     if not inspect.isfunction(value):
-        return f"{name}: {type(value).__name__ if type(value) in (int, float, str) else 'Any'}\n"
+        kind = next((kind.__name__ for kind in (int, float, str) if isinstance(value, kind)), "Any")
+        return f"{name}: {kind}\n"
     # Calls may also name the arguments as EyeSim VR does, so the signature of the function is only shown.
     shown = f"{name}{inspect.signature(value)}\n\n{inspect.getdoc(value) or ''}"
     text = "\n    ".join(shown.strip().splitlines()).replace("\n    \n", "\n\n")
