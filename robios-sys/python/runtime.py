@@ -272,7 +272,7 @@ def _image(data, size, width, height):
 
 
 # Otherwise `pickle` and `copy` would search for them in `__main__`, which is the program.
-for _name in (_Number, _Values, _Object, _Numbers, _Addresses, _Part, _image):
+for _name in (_Number, _Variable, _Values, _Object, _Numbers, _Addresses, _Part, _image):
     _name.__module__ = "eye"
 
 _POINTER = _ctypes._Pointer
