@@ -1,6 +1,6 @@
 //! Output that a robot's process writes to its own standard output and error, bypassing the simulator.
 
-use std::io::{self, PipeReader, Read as _, Write as _};
+use std::io::{self, PipeReader, Read, Write};
 use std::thread::{self, JoinHandle};
 
 use crate::record::log::is_terminal_control;
@@ -14,39 +14,38 @@ const MAX_BYTES: usize = 1 << 20;
 ///
 /// # Errors
 /// The system lacks the resources for the thread.
-pub fn forward(mut pipe: PipeReader) -> io::Result<JoinHandle<()>> {
-    let copy = move || {
-        let mut remaining = MAX_BYTES;
-        let mut buffer = [0; 1 << 14];
-        // Bytes at the beginning of the buffer that are not printed yet: a character without its end.
-        let mut kept = 0;
-        loop {
-            let count = match pipe.read(&mut buffer[kept..]) {
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-                Ok(count) => count,
-                Err(_) => 0,
-            };
-            let len = kept + count;
-            kept = if count == 0 { 0 } else { incomplete_len(&buffer[..len]) };
-            let complete = len - kept;
-            let printed = complete.min(remaining);
-            remaining -= printed;
-            // If standard error is closed, the output is dropped.
-            let _ = io::stderr().write_all(printable(&buffer[..printed]).as_bytes());
-            buffer.copy_within(complete..len, 0);
-            if count == 0 {
-                return;
-            }
-            if printed < complete && printed > 0 {
-                let _ = writeln!(
-                    io::stderr(),
-                    "\n... a program has printed more than {} kB past the simulator",
-                    MAX_BYTES / 1000
-                );
-            }
+pub fn forward(pipe: PipeReader) -> io::Result<JoinHandle<()>> {
+    thread::Builder::new().name("output".to_owned()).spawn(move || copy(pipe, io::stderr()))
+}
+
+/// Copies `from` to `to` until the end, as [`forward`] does. If `to` is closed, the output is dropped.
+fn copy(mut from: impl Read, mut to: impl Write) {
+    let mut remaining = MAX_BYTES;
+    let mut is_truncated = false;
+    let mut buffer = [0; 1 << 14];
+    // Bytes at the beginning of the buffer that are not printed yet: a character without its end.
+    let mut kept = 0;
+    loop {
+        let count = match from.read(&mut buffer[kept..]) {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Ok(count) => count,
+            Err(_) => 0,
+        };
+        let len = kept + count;
+        kept = if count == 0 { 0 } else { incomplete_len(&buffer[..len]) };
+        let complete = len - kept;
+        let printed = complete.min(remaining);
+        remaining -= printed;
+        let _ = to.write_all(printable(&buffer[..printed]).as_bytes());
+        buffer.copy_within(complete..len, 0);
+        if count == 0 {
+            return;
         }
-    };
-    thread::Builder::new().name("output".to_owned()).spawn(copy)
+        if printed < complete && !is_truncated {
+            is_truncated = true;
+            let _ = writeln!(to, "\n... a program has printed more than {} kB past the simulator", MAX_BYTES / 1000);
+        }
+    }
 }
 
 /// The text in `bytes`, with `?` for each control character other than line feed and tab.
@@ -78,5 +77,15 @@ mod tests {
         let euro = "€".as_bytes();
         assert_eq!([1, 2, 3].map(|len| incomplete_len(&euro[..len])), [1, 2, 0]);
         assert_eq!([&b"a\xC2"[..], b"a\x9b", b"a\xFF", b""].map(incomplete_len), [1, 0, 0, 0]);
+    }
+
+    #[test]
+    fn one_message_tells_that_output_is_dropped() {
+        for dropped in [0, 1, 20_000, 40_000] {
+            let mut shown = Vec::new();
+            copy(&*vec![b'x'; MAX_BYTES + dropped], &mut shown);
+            let count = String::from_utf8_lossy(&shown).matches("more than 1048 kB").count();
+            assert_eq!(count, usize::from(dropped > 0), "{dropped} bytes are dropped");
+        }
     }
 }
