@@ -499,6 +499,18 @@ fn a_page_that_comes_after_the_end_gets_the_colour_display() {
 }
 
 #[test]
+fn the_reason_for_the_end_gives_the_line_of_a_crash() {
+    let program = "#include \"eyebot.h\"\nint main(void) {\n  OSWait(10);\n  *(volatile int *)0 = 1;\n  return 0;\n}\n";
+    let scratch = scene_of(&[("crash.c", program), ("rover.c", ROVER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim", "--speed", "max", "--exec", "thread"]);
+    let mut page = served.page();
+    page.until("the end", |page| page.digest().is_some());
+    let Some(RunState::Ended { why, .. }) = page.state() else { panic!("{:?}", page.state()) };
+    assert!(why.starts_with("a program failed; r1 (`crash.c`): "), "{why}");
+    assert!(why.contains("crash.c:4"), "{why}");
+}
+
+#[test]
 fn a_page_that_connects_late_gets_the_last_layer() {
     let scratch = scene_of(&[("mapper.c", MAPPER)]);
     let served = Served::start(&scratch, &["view", "scene.sim"]);

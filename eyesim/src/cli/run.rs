@@ -28,6 +28,7 @@ use sim_host::launch::{DEFAULT_UNTIL, Error, Finished, Observers, Options, Unpac
 use sim_host::program::sandbox::{Level, Sandbox};
 use sim_host::program::words::quoted;
 use sim_host::program::{Generation, command};
+use sim_host::record::report::RobotReport;
 use sim_host::record::{Report, TraceFilter};
 
 use super::cc::parse_api;
@@ -375,15 +376,21 @@ pub fn explain(finished: &Finished) {
         let calls = forbidden_calls(&robot.forbidden_calls);
         say(format_args!("r{} (`{}`) called forbidden functions: {calls}", robot.id, robot.program));
     }
-    let failed: Vec<_> = report.robots.iter().filter(|robot| robot.outcome.is_failure()).collect();
-    for robot in failed.iter().take(MAX_LISTED) {
-        let reason = robot.reason.as_deref().unwrap_or("no reason given");
-        let separator = if robot.outcome == Outcome::Waiting { " " } else { ": " };
-        say(format_args!("r{} (`{}`){separator}{reason}", robot.id, robot.program));
-    }
+    let failed = failures(report);
+    failed.iter().take(MAX_LISTED).for_each(say);
     if failed.len() > MAX_LISTED {
         say(format_args!("... and {} more: see --report", failed.len() - MAX_LISTED));
     }
+}
+
+/// The robots that failed, each with its program and the reason.
+pub fn failures(report: &Report) -> Vec<String> {
+    let describe = |robot: &RobotReport| {
+        let reason = robot.reason.as_deref().unwrap_or("no reason given");
+        let separator = if robot.outcome == Outcome::Waiting { " " } else { ": " };
+        format!("r{} (`{}`){separator}{reason}", robot.id, robot.program)
+    };
+    report.robots.iter().filter(|robot| robot.outcome.is_failure()).map(describe).collect()
 }
 
 /// Forbidden functions with the numbers of their calls: `SIMGetRobot` once, `SIMSetRobot` 3 times.

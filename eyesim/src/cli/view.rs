@@ -420,7 +420,7 @@ fn full_message(rejected: &Rejected) -> String {
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
-/// Text for the page: why the run has ended, and the results of its checks.
+/// Text for the page: why the run has ended, the first robot that failed, and the results of its checks.
 fn end_text(finished_run: &FinishedRun) -> String {
     let checks = &finished_run.finished.report.checks;
     let failed: Vec<String> = checks
@@ -431,7 +431,13 @@ fn end_text(finished_run: &FinishedRun) -> String {
     let passed_count = checks.len() - failed.len();
     let summary =
         if checks.is_empty() { String::new() } else { format!("; {passed_count} of {} checks passed", checks.len()) };
-    end_reason(finished_run) + &summary + &failed.concat()
+    let failures = run::failures(&finished_run.finished.report);
+    let failure = match &failures[..] {
+        [] => String::new(),
+        [first] => format!("; {first}"),
+        [first, others @ ..] => format!("; {first} (and {} more)", others.len()),
+    };
+    end_reason(finished_run) + &failure.replace('\n', " ") + &summary + &failed.concat()
 }
 
 fn end_reason(finished_run: &FinishedRun) -> String {
