@@ -21,8 +21,9 @@ pub struct ReleaseTimer {
 struct Baseline {
     processor_time: Duration,
     imports: Duration,
-    /// Time of the last sample in which the flow ran or was ready to run.
-    last_active: Instant,
+    /// Time asleep since the last sample in which the flow ran or was ready to run.
+    asleep: Duration,
+    last_sample: Instant,
     last_processor_time: Duration,
 }
 
@@ -43,6 +44,10 @@ pub struct FlowSample {
 
 /// Factor of the timeout while a module is imported, and for all imports of a release together.
 const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
+
+/// Maximum time asleep that one sample adds; our choice, ten sampling intervals. A longer gap between two samples means
+/// that the watchdog itself did not run, and then the rest of the machine may have stood still, too.
+const MAX_ASLEEP_PER_SAMPLE: Duration = Duration::from_millis(500);
 
 impl FlowSample {
     /// Samples a thread of this process.
@@ -113,21 +118,28 @@ impl ReleaseTimer {
         if sample.release != self.release || self.baseline.is_none() {
             self.release = sample.release;
             let imports = sample.imports;
-            self.baseline =
-                Some(Baseline { processor_time, imports, last_active: now, last_processor_time: processor_time });
+            self.baseline = Some(Baseline {
+                processor_time,
+                imports,
+                asleep: Duration::ZERO,
+                last_sample: now,
+                last_processor_time: processor_time,
+            });
             return false;
         }
         let Some(baseline) = &mut self.baseline else { return false };
         if processor_time != baseline.last_processor_time || !sample.is_asleep {
-            baseline.last_active = now;
+            baseline.asleep = Duration::ZERO;
             baseline.last_processor_time = processor_time;
+        } else {
+            baseline.asleep += (now - baseline.last_sample).min(MAX_ASLEEP_PER_SAMPLE);
         }
-        let asleep = now - baseline.last_active;
+        baseline.last_sample = now;
         let used = processor_time.saturating_sub(baseline.processor_time);
         let imports =
             sample.imports.saturating_sub(baseline.imports).as_secs_f64().min(timeout * IMPORT_TIMEOUT_FACTOR);
         let limit = if sample.is_importing { timeout * IMPORT_TIMEOUT_FACTOR } else { timeout };
-        used.as_secs_f64() - imports >= limit || asleep.as_secs_f64() >= limit
+        used.as_secs_f64() - imports >= limit || baseline.asleep.as_secs_f64() >= limit
     }
 }
 
@@ -258,6 +270,20 @@ mod tests {
         assert!(!timer.is_overdue(&sample(11, (false, Duration::from_secs(11))), 1.0), "it has imported");
         assert!(!timer.is_overdue(&sample(20, (true, Duration::MAX)), 1.0));
         assert!(timer.is_overdue(&sample(24, (true, Duration::MAX)), 1.0), "the longest time of all");
+    }
+
+    #[test]
+    fn gap_between_samples_counts_as_half_a_second_asleep() {
+        let mut timer = ReleaseTimer::default();
+        let asleep = FlowSample { is_asleep: true, ..sample_at_start() };
+        let mut sample_after_a_minute = || {
+            if let Some(baseline) = &mut timer.baseline {
+                baseline.last_sample -= Duration::from_secs(60);
+            }
+            timer.is_overdue(&asleep, 1.0)
+        };
+        assert_eq!([(); 3].map(|()| sample_after_a_minute()), [false, false, true]);
+        assert!(!timer.is_overdue(&sample_at_start(), 1.0), "it runs");
     }
 
     #[test]
