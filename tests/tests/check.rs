@@ -292,7 +292,7 @@ fn one_line_of_many_megabytes_is_handled() {
     scratch.write("word.wld", &format!("floor 9 9\n{}", "x".repeat(size)));
     scratch.write("numbers.wld", &format!("floor 9 9\n{}", "1 ".repeat(size / 2)));
     scratch.write("quote.sim", &format!("world \"{}", "y ".repeat(size / 2)));
-    scratch.write("row.maz", &format!(" _\n|{}", "|_".repeat(size / 2)));
+    scratch.write("row.maz", &format!(" _\n|{}", "|_".repeat(size / 6)));
     scratch.write("key.robi", &"z".repeat(size));
     let huge = fs::File::create(scratch.path().join("huge.wld")).expect("a file");
     huge.set_len(100 << 20).expect("100 MB of nothing");
