@@ -26,6 +26,9 @@ pub fn build_timeout(default: Duration) -> Duration {
     seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or(default)
 }
 
+/// Interval at which the start and the end of a command are checked.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
+
 /// Request to start a process.
 struct SpawnRequest {
     command: Command,
@@ -120,7 +123,23 @@ pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Outp
 /// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or
 /// [`io::ErrorKind::Interrupted`] if it was killed.
 pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::Result<Output> {
-    collect(with_pipes(command).spawn()?, limits)
+    collect(start(with_pipes(command))?, limits)
+}
+
+/// Starts `command`. Its file is busy if it was written a moment ago and another thread has started a process meanwhile:
+/// until that process executes its own file, it has a copy of the writer's descriptor. So this tries again.
+fn start(command: &mut Command) -> io::Result<Child> {
+    /// Time for which this tries again; our choice.
+    const BUSY_TIME: Duration = Duration::from_secs(2);
+    let deadline = Instant::now() + BUSY_TIME;
+    loop {
+        match command.spawn() {
+            Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy && Instant::now() < deadline => {
+                thread::sleep(POLL_INTERVAL);
+            }
+            started => return started,
+        }
+    }
 }
 
 /// Like [`output_within`], for callers on a program's thread, whose restrictions the command does not inherit.
@@ -147,8 +166,6 @@ fn with_pipes(command: &mut Command) -> &mut Command {
 
 /// Collects the output of a process until it ends.
 fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
-    /// Interval at which the end of the process is checked.
-    const POLL_INTERVAL: Duration = Duration::from_millis(2);
     /// Time in which a reader takes what is left in a pipe.
     const DRAIN_TIME: Duration = Duration::from_millis(100);
     let group = child.id() as i32;
@@ -248,6 +265,22 @@ mod tests {
         let error = build_output(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
         assert_eq!(error.expect_err("it hangs").kind(), io::ErrorKind::TimedOut);
         assert!(start.elapsed() < Duration::from_secs(500));
+    }
+
+    #[test]
+    fn script_that_is_still_open_for_writing_is_started_once_it_is_closed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let script = folder.path().join("script");
+        std::fs::write(&script, "#!/bin/sh\necho out\n").expect("a script");
+        std::fs::set_permissions(&script, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a mode");
+        let writer = std::fs::OpenOptions::new().append(true).open(&script).expect("the script");
+        let closer = thread::spawn(move || {
+            thread::sleep(Duration::from_millis(100));
+            drop(writer);
+        });
+        let output = build_output(&mut Command::new(&script), COMMAND_TIMEOUT).expect("a shell");
+        assert_eq!(output.stdout, b"out\n");
+        closer.join().expect("it ends");
     }
 
     #[test]
