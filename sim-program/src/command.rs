@@ -274,13 +274,14 @@ mod tests {
         std::fs::write(&script, "#!/bin/sh\necho out\n").expect("a script");
         std::fs::set_permissions(&script, std::os::unix::fs::PermissionsExt::from_mode(0o755)).expect("a mode");
         let writer = std::fs::OpenOptions::new().append(true).open(&script).expect("the script");
-        let closer = thread::spawn(move || {
-            thread::sleep(Duration::from_millis(100));
-            drop(writer);
+        let output = thread::scope(|scope| {
+            scope.spawn(move || {
+                thread::sleep(Duration::from_millis(100));
+                drop(writer);
+            });
+            build_output(&mut Command::new(&script), COMMAND_TIMEOUT).expect("a shell")
         });
-        let output = build_output(&mut Command::new(&script), COMMAND_TIMEOUT).expect("a shell");
         assert_eq!(output.stdout, b"out\n");
-        closer.join().expect("it ends");
     }
 
     #[test]
