@@ -274,8 +274,9 @@ fn start(scratch: &Scratch, robots: usize) -> (Child, Vec<u32>) {
     let deadline = Instant::now() + Duration::from_secs(100);
     loop {
         let children = children_of(host.id());
-        // The trace is opened when all programs are loaded.
-        if children.len() == robots && scratch.path().join("t.jsonl").exists() {
+        // The run handles signals once a program has started.
+        let trace = std::fs::read_to_string(scratch.path().join("t.jsonl")).unwrap_or_default();
+        if children.len() == robots && trace.contains("program_started") {
             return (host, children);
         }
         assert!(Instant::now() < deadline, "no children: {children:?}");

@@ -179,14 +179,14 @@ fn a_program_can_change_its_working_folder() {
 
 #[test]
 fn processes_that_a_program_forks_have_no_robot() {
-    let body = "if (fork() == 0) { OSWait(10); VWSetSpeed(VWInit(VW_DRIVE, 1), 1, 0); for (;;) OSWait(10); }\n\
-                int status; pid_t child = fork(); if (child == 0) _exit(3); waitpid(child, &status, 0); OSWait(100); printf(\"child %d\\n\", WEXITSTATUS(status)); return 0;";
+    let body = "int status; pid_t child = fork(); if (child == 0) { OSWait(10); VWSetSpeed(VWInit(VW_DRIVE, 1), 1, 0); for (;;) OSWait(10); }\n\
+                waitpid(child, &status, 0); child = fork(); if (child == 0) _exit(3); waitpid(child, &status, 0); OSWait(100); printf(\"child %d\\n\", WEXITSTATUS(status)); return 0;";
     let scratch = scene(body);
     let source = scratch.read("prog.c");
     scratch.write("prog.c", &format!("#include <unistd.h>\n#include <sys/wait.h>\n{source}"));
     scratch.write(
         "fork.py",
-        "from eye import *\nimport os\nif os.fork() == 0:\n    VWSetSpeed(100, 0)\n    OSWait(5000)\nOSWait(100)\n",
+        "from eye import *\nimport os\nif os.fork() == 0:\n    VWSetSpeed(100, 0)\n    OSWait(5000)\nos.wait()\nOSWait(100)\n",
     );
     let ran = scratch.eyesim(&["run", "scene.sim", "--report", "r.json"]);
     assert!(ran.stdout.contains("child 3") && ran.stderr.contains("forked"), "{ran:#?}");

@@ -277,11 +277,17 @@ impl Channel {
         self.header().thread.load(Ordering::Relaxed)
     }
 
-    /// Registers the calling thread of the child as the user of the channel.
-    pub fn attach(&self) {
+    /// Registers the calling thread of the child as the user of the channel; returns the kernel's id of the thread.
+    pub fn attach(&self) -> u32 {
         // SAFETY: gettid takes no arguments and always succeeds.
-        let thread = unsafe { libc::gettid() };
-        self.header().thread.store(thread.unsigned_abs(), Ordering::Relaxed);
+        let thread = unsafe { libc::gettid() }.unsigned_abs();
+        self.name_thread(thread);
+        thread
+    }
+
+    /// Registers the child's thread with this id as the user of the channel.
+    pub fn name_thread(&self, thread: u32) {
+        self.header().thread.store(thread, Ordering::Relaxed);
     }
 
     /// Sends a message made of `parts` and passes the turn to the other side. The caller must have the turn. Returns

@@ -36,8 +36,8 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Processor time, or time asleep, in seconds within which a program's library must be loaded; our choice.
 const LOAD_TIMEOUT: f64 = 10.0;
 
-/// Time within which an overdue child must report its location before it is killed.
-const REPORT_TIMEOUT: Duration = Duration::from_millis(300);
+/// Time within which an overdue child must report its location before it is killed, even on a loaded machine.
+const REPORT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Time within which the last output of a process must be printed; our choice.
 const OUTPUT_TIMEOUT: Duration = Duration::from_millis(100);

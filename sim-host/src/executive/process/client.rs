@@ -192,11 +192,14 @@ impl Connection {
     /// Serves a connection for tasks until the process ends; each task gets a new thread, and thus new thread-locals.
     fn run_tasks(&'static self) {
         let block = Self::leaked_block();
-        self.channel.attach();
+        let server = self.channel.attach();
         self.converse_with(kind::READY, &[0; 8], |body| {
             let run = move || {
                 self.adopt_thread(block);
-                below_guard(|| call_back(&body))
+                let status = below_guard(|| call_back(&body));
+                // The host takes a channel for broken if the thread that it names is missing.
+                self.channel.name_thread(server);
+                status
             };
             let task = thread::Builder::new().name("task".to_owned()).stack_size(STACK).spawn(run);
             task.map_or(None, |task| task.join().ok()).unwrap_or_else(|| self.break_off("no room for another task"))
