@@ -288,10 +288,10 @@ mod tests {
     fn process_that_leaves_the_group_does_not_exceed_the_time_limit() {
         let start = Instant::now();
         let mut command = Command::new("sh");
-        command.args(["-c", "echo out; setsid sleep 30 & exit 0"]);
-        let output = build_output(&mut command, Duration::from_millis(500)).expect("a shell");
+        command.args(["-c", "echo out; setsid sleep 300 & exit 0"]);
+        let output = build_output(&mut command, Duration::from_secs(20)).expect("a shell");
         assert_eq!(output.stdout, b"out\n");
-        assert!(start.elapsed() < Duration::from_secs(20));
+        assert!(start.elapsed() < Duration::from_secs(200));
     }
 
     #[test]

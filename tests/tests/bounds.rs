@@ -333,7 +333,7 @@ fn an_interrupt_ends_programs_in_every_language_with_a_whole_record() {
 
 #[test]
 fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
-    let tag = format!("9{}", std::process::id());
+    let tag = format!("8{}", std::process::id());
     let resolver = "static void (*r(void))(void) { for (;;) ; }\nvoid f(void) __attribute__((ifunc(\"r\")));\n\
                     int main(void) { f(); return 0; }\n";
     let computes = "#include <stdio.h>\n#include \"eyebot.h\"\n\

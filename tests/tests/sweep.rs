@@ -173,7 +173,7 @@ fn kill_9_and_a_torn_line_lose_nothing() {
     let scratch = suite(cases);
     into(&scratch, "whole", &[]);
     for part in 1..=3 {
-        let mut child = start(&scratch, "out", &["-j", "2"], part * cases / 5);
+        let mut child = start(&scratch, "out", &["-j", "2"], part * cases / 20);
         assert!(child.try_wait().expect("a child").is_none(), "the sweep was over before it was killed");
         signal(&child, "-KILL");
         child.wait().expect("the process ends");
@@ -357,12 +357,14 @@ fn a_full_disk_is_reported_and_the_sweep_continues() {
 fn two_sweeps_of_one_shard_at_once_are_reported() {
     let scratch = suite(4000);
     let mut first = start(&scratch, "out", &["-j", "1"], 2);
+    signal(&first, "-STOP");
     let ran = sweep(&scratch, &["a.suite.toml", "-o", "out"], 2);
     assert!(ran.stderr.contains("another `eyesim sweep` runs this shard"), "{ran:#?}");
     // A different shard may run at the same time.
     sweep(&scratch, &["a.suite.toml", "-o", "out", "--shard", "4000/4000"], 0);
     assert!(first.try_wait().expect("a child").is_none(), "the first sweep was over before the second began");
     signal(&first, "-TERM");
+    signal(&first, "-CONT");
     assert_eq!(first.wait().expect("the process ends").code(), Some(130));
     sweep(&scratch, &["status", "out"], 1);
 }

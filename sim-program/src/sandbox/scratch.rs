@@ -116,9 +116,13 @@ fn fits(folder: &Path, max_bytes: u64) -> bool {
     let mut size = 0;
     let mut folders = vec![(folder.to_owned(), 0)];
     while let Some((folder, depth)) = folders.pop() {
-        let Ok(entries) = fs::read_dir(folder) else { return false };
+        let entries = match fs::read_dir(folder) {
+            Ok(entries) => entries,
+            // Folders and files may be removed meanwhile.
+            Err(error) if error.kind() == io::ErrorKind::NotFound && depth > 0 => continue,
+            Err(_) => return false,
+        };
         for entry in entries {
-            // A file may be removed meanwhile.
             let Ok(entry) = entry else { continue };
             let Ok(metadata) = entry.metadata() else { continue };
             size += BYTES_PER_ENTRY + metadata.blocks() * 512;
