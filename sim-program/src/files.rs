@@ -30,6 +30,40 @@ pub fn use_home(home: &Path) {
     ARCHIVE_HOME.get_or_init(|| home.to_owned());
 }
 
+/// Visits all files below `root`: those of each folder in the order of their names, then its subfolders. Hidden
+/// subfolders, symbolic links to folders (which may form cycles), and subfolders of build results (those with a file
+/// `CACHEDIR.TAG`, such as Cargo's `target`) are skipped.
+pub fn walk(root: &Path, visit: &mut dyn FnMut(&Path), report_unreadable: &mut dyn FnMut(&Path, &io::Error)) {
+    let mut folders = vec![root.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let listed = fs::read_dir(&folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+        let mut entries = match listed {
+            Ok(entries) => entries,
+            Err(error) => {
+                report_unreadable(&folder, &error);
+                continue;
+            }
+        };
+        if folder != root && entries.iter().any(|entry| entry.file_name() == "CACHEDIR.TAG") {
+            continue;
+        }
+        entries.sort_by_key(fs::DirEntry::file_name);
+        let mut subfolders = Vec::new();
+        for entry in entries {
+            // `./a.wld` and `a.wld` are one file.
+            let path = entry.path();
+            let path = path.strip_prefix(".").unwrap_or(&path);
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if is_folder && !entry.file_name().as_encoded_bytes().starts_with(b".") {
+                subfolders.push(path.to_owned());
+            } else if !is_folder && path.is_file() {
+                visit(path);
+            }
+        }
+        folders.extend(subfolders.into_iter().rev());
+    }
+}
+
 /// Files on the disk, relative to the working folder.
 #[derive(Clone, Debug, Default)]
 pub struct DiskFiles {
@@ -176,6 +210,26 @@ mod tests {
             .expect("a large file");
         assert_eq!(files.read(&path), Err(FileError::Unreadable("it is larger than 16 MiB".to_owned())));
         assert_eq!(files.home(), Some(slashed(folder.path()).as_str()));
+    }
+
+    #[test]
+    fn walk_skips_hidden_folders_links_and_build_results() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for path in ["b/d.rs", "b/c.rs", "e.rs", ".git/f", "target/CACHEDIR.TAG", "target/debug/g.rs"] {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, "").expect("a file");
+        }
+        std::os::unix::fs::symlink(folder.path(), folder.path().join("b/link")).expect("a link");
+        let visited = |root: &Path| {
+            let mut names = Vec::new();
+            let mut add = |path: &Path| names.push(slashed(path.strip_prefix(root).expect("a file below the root")));
+            walk(root, &mut add, &mut |folder, error| panic!("{}: {error}", folder.display()));
+            names
+        };
+        assert_eq!(visited(folder.path()), ["e.rs", "b/c.rs", "b/d.rs"]);
+        let target = folder.path().join("target");
+        assert_eq!(visited(&target), ["CACHEDIR.TAG", "debug/g.rs"], "the user asks for this folder");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::generation::GenerationHint;
 use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::{Language, without_txt};
 use super::parts::parts_of;
-use crate::files::open_regular;
+use crate::files::{open_regular, walk};
 use sim_format::path::{is_absolute, relocated_candidates};
 
 /// Folders that are searched for programs, in this order: the sim file's folder, the working folder, further folders.
@@ -73,6 +73,19 @@ impl ProgramSource {
             Self::Python(file) => parts_of(file),
             Self::Library(_) | Self::Embedded(_) | Self::Cargo(_) => Vec::new(),
         }
+    }
+
+    /// The files that a user edits to change the program: those that are built or loaded, with their parts; of a package,
+    /// the Rust and TOML files of its folder.
+    pub fn sources(&self) -> Vec<PathBuf> {
+        let Self::Cargo(folder) = self else { return [self.files(), self.parts()].concat() };
+        let mut sources = Vec::new();
+        let mut add = |file: &Path| {
+            let is_source = file.extension().is_some_and(|extension| extension == "rs" || extension == "toml");
+            sources.extend(is_source.then(|| file.to_owned()));
+        };
+        walk(folder, &mut add, &mut |_unreadable, _error| {});
+        sources
     }
 
     /// The path that represents the program in messages: the library, the first source, the package's folder, the

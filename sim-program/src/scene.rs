@@ -72,11 +72,7 @@ impl Programs {
         }
         let failed = |mistakes: Vec<String>| ProgramsError {
             mistakes,
-            sources: found
-                .iter()
-                .flatten()
-                .flat_map(|found| [found.source.files(), found.source.parts()].concat())
-                .collect(),
+            sources: found.iter().flatten().flat_map(|found| found.source.sources()).collect(),
         };
         if !mistakes.is_empty() {
             return Err(failed(mistakes));

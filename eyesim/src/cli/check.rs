@@ -8,7 +8,7 @@ use clap::Args;
 use sim_core::build::MeshSource;
 use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
 use sim_format::{CellRules, Code, Diagnostic, FileError, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
-use sim_host::files::{DiskFiles, slashed};
+use sim_host::files::{DiskFiles, slashed, walk};
 use sim_host::launch::check::{
     FindProgram, count, finder, invalid_checks, is_rejected, missing_programs, plural, search_path,
     unknown_forbidden_functions, unknown_functions,
@@ -291,40 +291,6 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
         }
     }
     (names, diagnostics)
-}
-
-/// Visits all files below `folder`: those of each folder in the order of their names, then its subfolders. Hidden
-/// folders, and folders that are symbolic links (which may form cycles), are skipped.
-pub(super) fn walk(
-    folder: &Path,
-    visit: &mut dyn FnMut(&Path),
-    report_unreadable: &mut dyn FnMut(&Path, &std::io::Error),
-) {
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        let listed = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
-        let mut entries = match listed {
-            Ok(entries) => entries,
-            Err(error) => {
-                report_unreadable(&folder, &error);
-                continue;
-            }
-        };
-        entries.sort_by_key(std::fs::DirEntry::file_name);
-        let mut subfolders = Vec::new();
-        for entry in entries {
-            // `./a.wld` and `a.wld` are one file.
-            let path = entry.path();
-            let path = path.strip_prefix(".").unwrap_or(&path);
-            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-            if is_folder && !entry.file_name().as_encoded_bytes().starts_with(b".") {
-                subfolders.push(path.to_owned());
-            } else if !is_folder && path.is_file() {
-                visit(path);
-            }
-        }
-        folders.extend(subfolders.into_iter().rev());
-    }
 }
 
 /// Returns true if the file's name alone shows that it is of a known kind.

@@ -19,14 +19,13 @@ use serde::Serialize;
 use sim_format::path::extension;
 use sim_format::suite::is_suite;
 use sim_host::executive::interrupt;
-use sim_host::files::{read_regular, slashed};
+use sim_host::files::{read_regular, slashed, walk};
 use sim_host::host;
 use sim_host::launch::settings::ProgramOption;
 use sim_host::program::sandbox::Sandbox;
 use sim_host::program::{Builder, Cache, Kits, Tools};
 use sim_host::record::report::write_atomically;
 
-use super::check::walk;
 use super::output::{check_outputs, given_outputs, output_path};
 use super::pack::{self, is_archive};
 use super::progress::Building;

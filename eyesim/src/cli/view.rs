@@ -108,7 +108,8 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
             SPEEDS.end()
         );
     }
-    let ready = prepare(&args.run)?;
+    let begun = SystemTime::now();
+    let (ready, files) = prepare(&args.run)?;
     let window = Arc::new(open(&args, &title(ready.scene()))?);
     announce_address(&args, &window);
     let control = Arc::new(Control::default());
@@ -127,7 +128,7 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
         args: Mutex::new(args.run.clone()),
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
-        files: Mutex::new(WatchedFiles::of(&ready)),
+        files: Mutex::new(WatchedFiles::of(files, begun)),
     });
     let last_check = args.watch.then(Instant::now);
     let control_panel =
@@ -137,11 +138,13 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
     code
 }
 
-/// Reads, builds and loads the scene of the arguments.
-fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
+/// Reads, builds and loads the scene of the arguments; also returns the files that a user edits to change the run.
+fn prepare(args: &RunArgs) -> anyhow::Result<(Ready, Vec<PathBuf>)> {
     let stdin = args.stdin.clone().or_else(|| Some(TYPED.into()));
     let args = RunArgs { default_until: Time::NEVER, stdin, ..args.clone() };
-    Ok(run::build(run::open(&args)?, &args)?.load()?)
+    let built = run::build(run::open(&args)?, &args)?;
+    let files = built.edited_files();
+    Ok((built.load()?, files))
 }
 
 /// Opens the window with the access and address of the arguments.
@@ -258,7 +261,6 @@ impl Session {
             match self.wait_for_next(&finished_run, &show) {
                 Some((next, args)) => {
                     *self.args.lock() = args;
-                    self.files.lock().update(&next);
                     ready = next;
                 }
                 None => break,
@@ -371,8 +373,10 @@ impl Session {
         let session = Arc::clone(self);
         self.window.build(Build::Running);
         let build = move || {
+            let begun = SystemTime::now();
             match prepare(&args) {
-                Ok(ready) => {
+                Ok((ready, files)) => {
+                    session.files.lock().update(files, begun);
                     {
                         // Both happen under one lock, so that the current run is ended and not the next run.
                         let mut next = session.next.lock();
@@ -384,7 +388,7 @@ impl Session {
                 }
                 Err(error) => {
                     say(format_args!("error: {}", causes(&error)));
-                    session.files.lock().add(inputs_of_failed(&args, &error));
+                    session.files.lock().add(inputs_of_failed(&args, &error), begun);
                     let output = match error.downcast_ref::<Error>() {
                         Some(Error::Rejected(rejected)) => full_message(rejected),
                         _ => causes(&error),
@@ -492,32 +496,32 @@ fn new_seed() -> u64 {
     u64::from(std::hash::RandomState::new().build_hasher().finish() as u32)
 }
 
-/// Files that determine the run, each with time of modification and length at the last check.
-struct WatchedFiles(Vec<(PathBuf, Option<(SystemTime, u64)>)>);
+/// Files that a user edits to change the run, each with its state at the last check.
+struct WatchedFiles(Vec<(PathBuf, Option<FileState>)>);
+
+/// Time of modification and length of a file.
+type FileState = (SystemTime, u64);
 
 impl WatchedFiles {
-    fn of(ready: &Ready) -> Self {
-        let file = |path: &str| (PathBuf::from(path), file_state(Path::new(path)));
-        Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
+    /// Files of a build that began at `begun`. A file that was modified since counts as changed.
+    fn of(paths: Vec<PathBuf>, begun: SystemTime) -> Self {
+        let mut files = Self(Vec::new());
+        files.add(paths, begun);
+        files
     }
 
-    /// Replaces the list of files by the inputs of `ready`. The stored state of a file that was already in the list is
-    /// kept, so that a change during the build is not missed.
-    fn update(&mut self, ready: &Ready) {
-        let known = std::mem::take(&mut self.0);
-        *self = Self::of(ready);
-        for (path, last) in &mut self.0 {
-            if let Some((_, known_state)) = known.iter().find(|(other, _)| other == path) {
-                *last = *known_state;
-            }
-        }
+    /// Replaces the list by the files of a build that began at `begun`. The stored state of a file that was already in
+    /// the list is kept, so that a change during the build is not missed.
+    fn update(&mut self, paths: Vec<PathBuf>, begun: SystemTime) {
+        self.0.retain(|(known, _)| paths.contains(known));
+        self.add(paths, begun);
     }
 
-    /// Adds the files that are not in the list yet.
-    fn add(&mut self, paths: Vec<PathBuf>) {
+    /// Adds the files of a build that are not in the list yet.
+    fn add(&mut self, paths: Vec<PathBuf>, begun: SystemTime) {
         for path in paths {
             if !self.0.iter().any(|(known, _)| *known == path) {
-                let state = file_state(&path);
+                let state = file_state(&path).filter(|(modified, _)| *modified < begun);
                 self.0.push((path, state));
             }
         }
@@ -537,8 +541,8 @@ impl WatchedFiles {
     }
 }
 
-/// Time of modification and length of a file.
-fn file_state(path: &Path) -> Option<(SystemTime, u64)> {
+/// State of a file; `None` if there is no such file.
+fn file_state(path: &Path) -> Option<FileState> {
     let metadata = std::fs::metadata(path).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))
 }
@@ -562,6 +566,32 @@ fn parse_token(text: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn file_saved_since_the_start_of_a_build_has_changed_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [old, new] = ["old", "new"].map(|name| folder.path().join(name));
+        let hour = Duration::from_secs(3600);
+        let begun = SystemTime::now();
+        let save = |path: &Path, time: SystemTime| {
+            std::fs::write(path, "text").expect("a file");
+            let file = std::fs::File::options().write(true).open(path).expect("the file");
+            file.set_modified(time).expect("a file with a time");
+        };
+        save(&old, begun - hour);
+        save(&new, begun + hour);
+        let mut files = WatchedFiles::of(vec![old.clone()], begun);
+        assert!(!files.have_changed());
+        files.update(vec![old.clone(), new.clone()], begun);
+        assert!(files.have_changed() && !files.have_changed());
+        files.update(vec![old.clone(), new.clone()], begun);
+        assert!(!files.have_changed(), "the new file is known");
+        save(&old, begun);
+        files.update(vec![old.clone(), new], begun + hour + hour);
+        assert!(files.have_changed(), "it was saved before the build of this list, but after the last check");
+        std::fs::remove_file(old).expect("the file");
+        assert!(!files.have_changed());
+    }
 
     #[test]
     fn listen_address_may_have_a_port() {

@@ -1,5 +1,6 @@
 //! A scene whose programs have been built.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,6 +35,17 @@ impl BuiltScene {
     /// Every file that determines the run.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
+    }
+
+    /// The files that a user edits to change the run: its inputs, with the sources of Rust packages instead of their
+    /// libraries.
+    pub fn edited_files(&self) -> Vec<PathBuf> {
+        let packages = self.programs.iter().filter(|program| matches!(program.source, ProgramSource::Cargo(_)));
+        let libraries: BTreeMap<&ProgramSource, Vec<PathBuf>> =
+            packages.map(|program| (&program.source, program.inputs())).collect();
+        let is_library = |path: &PathBuf| libraries.values().flatten().any(|library| library == path);
+        let inputs = self.inputs.iter().map(|input| PathBuf::from(&input.path)).filter(|path| !is_library(path));
+        inputs.chain(libraries.keys().flat_map(|package| package.sources())).collect()
     }
 
     /// The scene's specification.
