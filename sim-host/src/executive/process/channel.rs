@@ -389,9 +389,15 @@ impl Channel {
     /// Requests the location at which the child's thread of this channel computes; the child checks for the request
     /// when it receives a signal. Returns false if the child does not report its location.
     pub fn request_location(&self) -> bool {
+        let requested = |state| (state != 0).then_some(location_state::REQUESTED);
+        self.header().location_state.fetch_update(Ordering::AcqRel, Ordering::Relaxed, requested).is_ok()
+    }
+
+    /// Withdraws a request without a report: from now on the signal tells the child that it is overdue.
+    pub fn withdraw_location_request(&self) {
         let (ready, requested) = (location_state::READY, location_state::REQUESTED);
-        let state = &self.header().location_state;
-        state.compare_exchange(ready, requested, Ordering::AcqRel, Ordering::Relaxed).is_ok()
+        // Without such a request there is nothing to withdraw.
+        _ = self.header().location_state.compare_exchange(requested, ready, Ordering::AcqRel, Ordering::Relaxed);
     }
 
     /// Returns true if the host has requested the location; the request ends with [`Channel::report_location`].
@@ -417,12 +423,12 @@ impl Channel {
         self.header().location_state.load(Ordering::Acquire) == location_state::REPORTED
     }
 
-    /// Takes the location that the child has reported since the request; withdraws the request if there is no report.
+    /// Takes the location that the child has reported since the request. A request without a report stays, so that its
+    /// signal, if it is late, does not end the program.
     pub fn take_location(&self) -> Option<CodeLocation> {
         let header = self.header();
-        if header.location_state.swap(location_state::READY, Ordering::AcqRel) != location_state::REPORTED {
-            return None;
-        }
+        let (ready, reported) = (location_state::READY, location_state::REPORTED);
+        header.location_state.compare_exchange(reported, ready, Ordering::AcqRel, Ordering::Relaxed).ok()?;
         let words: Vec<u32> = header.location_words.iter().map(|word| word.load(Ordering::Relaxed)).collect();
         let line = header.location_line.load(Ordering::Relaxed);
         if line == 0 {
@@ -526,6 +532,24 @@ mod tests {
         assert!(second.send(kind::READY, &[]));
         assert_eq!((first.turn(), second.turn()), (Turn::Child, Turn::Host));
         assert!(channels.file.set_len(0).is_err(), "the file cannot be cut");
+    }
+
+    #[test]
+    fn location_request_without_a_report_stays_until_it_is_withdrawn() {
+        let channel = Channels::new().unwrap().map(0).unwrap();
+        assert!(!channel.request_location(), "the child does not report it");
+        channel.offer_location();
+        assert!(channel.request_location());
+        assert_eq!(channel.take_location(), None);
+        assert!(channel.is_location_requested(), "the signal may be late");
+        channel.report_location([1, 2]);
+        assert!(channel.request_location(), "the late report is out of date");
+        assert_eq!(channel.take_location(), None);
+        channel.report_location([3, 4]);
+        assert_eq!(channel.take_location(), Some(CodeLocation::Addresses([3, 4])));
+        assert!(channel.request_location());
+        channel.withdraw_location_request();
+        assert!(!channel.is_location_requested(), "now the signal means that the child is overdue");
     }
 
     #[test]
