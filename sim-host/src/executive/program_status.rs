@@ -377,6 +377,9 @@ fn advice(report: &FailureReport, failure: &Failure, robot: &Robot, program: &Ro
         format!("; it has read its standard input, which has come to its end (`--stdin`){}", file.unwrap_or_default())
     } else if failure.is_overdue {
         let call = if report.location.contains(".rs:") { "robot.sleep(10.millis())" } else { "OSWait(10)" };
+        if robot.timers.in_callback || robot.timers.was_stopped_in_callback {
+            return "; the program and its other timers wait until this function of a timer returns".to_owned();
+        }
         if !robot.timers.is_empty() {
             return format!(
                 "; functions of timers run only during calls: put a call that waits into the loop, such as `{call}`"

@@ -466,6 +466,7 @@ impl<F: Flow> Caller<F> {
         let mut robot = self.robot();
         let now = robot.now;
         robot.timers.end_callbacks(now);
+        robot.timers.was_stopped_in_callback = result.is_err();
         result.map(|()| robot)
     }
 }

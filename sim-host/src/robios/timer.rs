@@ -16,6 +16,8 @@ pub struct Timers {
     next_handle: i32,
     /// A callback is running: callbacks are never nested, and may not wait.
     pub in_callback: bool,
+    /// The last callback was stopped before it returned.
+    pub was_stopped_in_callback: bool,
     /// Timers are held from `OSDisable` to `OSEnable`: a timer that becomes due in between runs once, at `OSEnable`.
     pub are_held: bool,
 }
