@@ -326,6 +326,12 @@ impl Reader {
         }
         let keywords = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
         let nearest = line::nearest(first.text, keywords);
+        let initial = |word: &str| word.chars().next().map(|letter| letter.to_ascii_lowercase());
+        let is_keyword = nearest.is_some_and(|keyword| initial(keyword) == initial(first.text));
+        if !is_keyword && has_word_before_pose(rest) && !path::extension(rest[0].text).is_empty() {
+            self.report_word_before_pose(Severity::Error, first, rest, PLACE_NAMED);
+            return;
+        }
         // Without a misspelt line of a world or robot, the scene lacks this world or robot.
         let is_essential = nearest.is_some_and(|word| ESSENTIAL.contains(&word) || builtin::ROBOTS.contains(&word));
         let severity = if is_essential { Severity::Error } else { Severity::Warning };

@@ -135,6 +135,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::SimMarkerArity, "a.sim", "marker 700 500 255,0,0\n"),
     (Code::SimSetting, "a.sim", "settings VIS TRACK\n"),
     (Code::SimKeyword, "a.sim", "robbi a.robi a.so\nfrobnicate\nfloor 2000 2000\n"),
+    (Code::SimPlaceArity, "a.sim", "MyBot a.c 5 5 0\nmyrobot a.py 5 5 0\nlabbott a.c 5 5 0\n"),
     (Code::SimKeyword, "a.sim", "// S4 5 5 0\n//S4 5 5 0\n/* none */\nS4 5 5 0 a.c // north\nworld a.wld // box\n"),
     (Code::SimKeyword, "a.sim", "0 0 4000 0\n0 0 600 0 20 150 255 0 0\n"),
     (Code::SimKeyword, "a.sim", "world=a.wld\nrobi = \"my bot.robi\" a.so\n"),
