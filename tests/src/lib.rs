@@ -37,7 +37,7 @@ pub fn eyesim_path() -> &'static Path {
         let mut build = Command::new(env!("CARGO"));
         // Builds the whole workspace and a test, so that dependencies have the same features as in the build by
         // `cargo test --workspace`.
-        build.args(["build", "--quiet", "--workspace", "--bin", "eyesim", "--test", "docs"]).current_dir(root());
+        build.args(["build", "--quiet", "--workspace", "--bin", "eyesim", "--test", "arrows"]).current_dir(root());
         if !cfg!(debug_assertions) {
             build.arg("--release");
         }
@@ -153,6 +153,17 @@ impl From<Output> for Ran {
 pub fn number(robot: &Value, path: &str) -> f64 {
     let value = path.split('.').fold(robot, |value, key| &value[key]);
     value.as_f64().unwrap_or_else(|| panic!("`{path}` in {robot:#}"))
+}
+
+/// Writes a Rust package with the robot program `program` into the folder `name`.
+pub fn write_package(scratch: &Scratch, name: &str, program: &str) {
+    let api = root().join("robios-api");
+    let manifest = format!(
+        "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n\
+         [dependencies]\nrobios-api = {{ path = {api:?} }}\n[workspace]\n"
+    );
+    scratch.write(&format!("{name}/Cargo.toml"), &manifest);
+    scratch.write(&format!("{name}/src/lib.rs"), program);
 }
 
 /// Writes a small scene: a robi with one PSD sensor ahead, an empty room of 4 m, and a sim file with one robot for each

@@ -809,7 +809,7 @@ const WHOLE: &[(&str, &str, Language, &str, &[&str])] = &[
         "pure virtual call",
         Cpp,
         "struct A { A() { g(); } void g() { f(); } virtual void f() = 0; }; struct B : A { void f() override {} }; int main() { OSWait(5); B b; return 0; }",
-        &["terminate", "abort", "segmentation fault"],
+        &["terminate", "abort", "pure virtual"],
     ),
     (
         "C++",

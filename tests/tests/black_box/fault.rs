@@ -89,6 +89,17 @@ fn a_loop_that_waits_for_a_timer_gets_the_advice_to_make_calls() {
 }
 
 #[test]
+fn a_function_of_a_timer_that_loops_gets_the_advice_to_return() {
+    let program = "#include \"eyebot.h\"\nvoid tick(void) {\n    for (;;) ;\n}\nint main(void) {\n    OSAttachTimer(10, tick);\n    \
+                   for (;;) OSWait(10);\n}\n";
+    for execution in ["fiber", "process"] {
+        let (report, ..) = run(program, &["--timeout", "0.5", "--exec", execution]);
+        let words = "the program and its other timers wait until this function of a timer returns";
+        assert!(reason(&report).contains("at broken.c:3") && reason(&report).ends_with(words), "{}", reason(&report));
+    }
+}
+
+#[test]
 fn the_timeout_applies_between_two_waits_also_for_a_single_robot() {
     let scratch = Scratch::new();
     let scene = write_scene(&scratch, &["busy.c"]);

@@ -222,7 +222,7 @@ fn the_list_of_diagnostics_is_that_of_their_pages() {
     rows.sort();
     let expected = format!(
         "# Diagnostics\n\nThis page lists the messages of the readers of files by their codes. `eyesim explain CODE` prints the page of a code. \
-         `INSTA_UPDATE=always cargo test\n--workspace --test docs` writes this list.\n\n\
+         `INSTA_UPDATE=always cargo test\n--workspace --test black_box docs::` writes this list.\n\n\
          | code | severity | message |\n|---|---|---|\n{}",
         rows.concat()
     );

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::process::Stdio;
 
-use tests::{Scratch, root, write_scene};
+use tests::{Scratch, write_package, write_scene};
 
 /// Programs that read a name, two numbers and the remaining text, and print all of them.
 const READERS: [(&str, &str); 7] = [
@@ -83,16 +83,9 @@ fn programs_in_each_language_read_the_same_text() {
 #[test]
 fn the_text_may_come_through_a_pipe_and_a_rust_program_reads_it() {
     let scratch = Scratch::new();
-    let package = scratch.path().join("reader");
-    std::fs::create_dir_all(package.join("src")).expect("a folder");
-    let api = root().join("robios-api");
-    let manifest = format!(
-        "[package]\nname = \"reader\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n[dependencies]\n\
-         robios-api = {{ path = {api:?} }}\n[workspace]\n"
-    );
-    scratch.write("reader/Cargo.toml", &manifest);
-    scratch.write(
-        "reader/src/lib.rs",
+    write_package(
+        &scratch,
+        "reader",
         "use robios_api::prelude::*;\nrobios_api::program!(main);\nfn main(robot: &Robot) {\n    while let Some(line) = robot.read_line() {\n        \
          writeln!(robot.console(), \"<{line}>\");\n    }\n}\n",
     );

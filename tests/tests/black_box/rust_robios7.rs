@@ -1,7 +1,7 @@
 //! Rust programs of RoBIOS-7 in the simulator: results of calls whose return values have other meanings than 0 for
 //! success.
 
-use tests::{Scratch, root};
+use tests::{Scratch, root, write_package};
 
 const PROGRAM: &str = r#"use robios_api::robios7::prelude::*;
 use robios_api::robios7::{ColorImage, ImageSize};
@@ -43,15 +43,7 @@ fn main(robot: &Robot) -> Result {
 #[test]
 fn calls_return_what_the_program_asks_for() {
     let scratch = Scratch::new();
-    let api = root().join("robios-api");
-    scratch.write(
-        "asks/Cargo.toml",
-        &format!(
-            "[package]\nname = \"asks\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n\
-             [dependencies]\nrobios-api = {{ path = {api:?} }}\n[workspace]\n"
-        ),
-    );
-    scratch.write("asks/src/lib.rs", PROGRAM);
+    write_package(&scratch, "asks", PROGRAM);
     let robi = std::fs::read_to_string(root().join("robis/feeler.robi")).expect("a robi");
     scratch.write("own.robi", &robi);
     scratch.write("own.toml", "[lidar]\npoints = 90\ntilt_deg = 0\n");

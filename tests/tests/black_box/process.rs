@@ -4,7 +4,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use tests::{Ran, Scratch, write_crowd, write_scene};
+use tests::{Ran, Scratch, write_crowd, write_package, write_scene};
 
 /// Runs `sim` with `args`, which must end with `code`; returns the digest and the robots.
 fn run(scratch: &Scratch, sim: &str, args: &[&str], code: i32) -> (Value, Value) {
@@ -113,16 +113,9 @@ fn timers_keys_console_arguments_exit_codes_and_assertions_work_as_on_threads() 
 #[test]
 fn a_rust_program_that_panics_in_a_process_ends_as_on_a_thread() {
     let scratch = Scratch::new();
-    let api = tests::root().join("robios-api");
-    scratch.write(
-        "bad/Cargo.toml",
-        &format!(
-            "[package]\nname = \"bad\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n\
-             [dependencies]\nrobios-api = {{ path = {api:?} }}\n[workspace]\n"
-        ),
-    );
-    scratch.write(
-        "bad/src/lib.rs",
+    write_package(
+        &scratch,
+        "bad",
         "use robios_api::prelude::*;\nrobios_api::program!(main);\nfn main(robot: &Robot) -> Result {\n\
          let drive = robot.drive()?;\n    drive.straight(0.2.metres(), 0.2.metres_per_second())?.wait()?;\n\
          let list: Vec<usize> = (0..10).collect();\n    panic!(\"there is no {}\", list[10 + robot.arguments().len()]);\n}\n",

@@ -1,6 +1,6 @@
 //! The catalogue of hostile programs: the simulator ends each in time, reports it, and no other robot's record changes.
 //!
-//! `cargo test` runs a sample. `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all programs in
+//! `cargo test` runs a sample. `EYESIM_HOSTILE=all cargo test --workspace --test black_box hostile::` runs all programs in
 //! processes, on threads and on fibers. `INSTA_UPDATE=always` also writes docs/hostile.md, the table of their messages.
 
 mod cases;
@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use cases::{Case, Language};
 use serde_json::Value;
-use tests::{Scratch, eyesim_path, root, write_scene};
+use tests::{Scratch, eyesim_path, root, write_package, write_scene};
 
 /// Real time in seconds after which a run counts as hanging. A loaded machine takes ten times as long as an idle one.
 const HANGS_S: u64 = 100;
@@ -60,13 +60,7 @@ fn rust_package() -> PathBuf {
     let mut written = WRITTEN.lock().expect("no test panics meanwhile");
     let scratch = written.get_or_insert_with(|| {
         let scratch = Scratch::new();
-        let api = root().join("robios-api");
-        let manifest = format!(
-            "[package]\nname = \"bad\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n\
-             [dependencies]\nrobios-api = {{ path = {api:?} }}\n[workspace]\n"
-        );
-        scratch.write("bad/Cargo.toml", &manifest);
-        scratch.write("bad/src/lib.rs", cases::RUST);
+        write_package(&scratch, "bad", cases::RUST);
         scratch
     });
     scratch.path().join("bad")
@@ -149,7 +143,7 @@ fn without_chance(words: &str) -> String {
     let mut kept = String::with_capacity(words.len());
     let mut rest = words;
     while let Some(start) =
-        ["at address 0x", "/.eyesim-"].iter().filter_map(|mark| Some(rest.find(mark)? + mark.len())).min()
+        ["address 0x", "/.eyesim-"].iter().filter_map(|mark| Some(rest.find(mark)? + mark.len())).min()
     {
         let length = rest[start..].find(|letter: char| !letter.is_ascii_alphanumeric()).unwrap_or(rest.len() - start);
         let (before, after) = (&rest[..start], &rest[start + length..]);
@@ -286,8 +280,8 @@ fn page(cases: &[Case], texts: &[Vec<String>]) -> String {
          `--exec auto`, the default, chooses a process for programs whose imports show that they could end or stop `eyesim`. On a\n\
          thread or fiber (`--exec thread` or `fiber`) such a program may end `eyesim` with a signal. Programs that stop their\n\
          process (`raise(SIGSTOP)`) are therefore not run on threads and fibers.\n\n\
-         `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test hostile` writes the table; the programs are in\n\
-         `tests/tests/hostile/cases.rs`.\n\n\
+         `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test black_box hostile::` writes the table; the programs are in\n\
+         `tests/tests/black_box/hostile/cases.rs`.\n\n\
          | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",
     );
     for (case, texts) in cases.iter().zip(texts) {

@@ -1008,7 +1008,7 @@ fn the_page_shows_what_beginners_see() {
     let tools = format!("{} and {}", version("cc"), version("python3"));
     let mut page = format!(
         "# Mistakes of beginners\n\nFirst lines that `eyesim run` shows after a usual mistake, in each language where it can be made, with \
-         {tools}.\n`tests/tests/mistakes.rs` has the programs and compares; `INSTA_UPDATE=always` renews this page. `FOLDER` stands for \
+         {tools}.\n`tests/tests/black_box/mistakes.rs` has the programs and compares; `INSTA_UPDATE=always` renews this page. `FOLDER` stands for \
          the\nfolder of the scene.\n"
     );
     let mut last = "";

@@ -10,7 +10,7 @@ use sim_view::protocol::{
     Action, Build, Command, Layer, LayerContent, Message, PROTOCOL, Recording, Request, RunState, Scene, Seed,
     Snapshot, Standing, Welcome,
 };
-use tests::{Scratch, number, write_scene};
+use tests::{Scratch, number, write_package, write_scene};
 use tungstenite::WebSocket;
 
 /// Time limit of every step, even on a busy machine.
@@ -462,6 +462,25 @@ fn saving_a_program_restarts_the_run_if_it_compiles() {
     page.until("the compiler's word", |page| failures(page) > before);
     save(&scratch, "other.c", WAITER);
     page.until("the run of the other program", |page| page.run() == 4 && page.state() == Some(&RunState::Idle));
+}
+
+#[test]
+fn saving_a_source_of_a_rust_package_restarts_the_run() {
+    let scratch = Scratch::new();
+    write_scene(&scratch, &["watched"]);
+    write_package(
+        &scratch,
+        "watched",
+        "mod part;\nrobios_api::program!(main);\nfn main(_: &robios_api::prelude::Robot) {}\n",
+    );
+    scratch.write("watched/src/part.rs", "");
+    let served = Served::start(&scratch, &["view", "scene.sim", "--watch"]);
+    let mut page = served.page();
+    page.until("a run", |page| page.run() == 1);
+    save(&scratch, "watched/src/part.rs", "broken\n");
+    page.until("the compiler's word", |page| page.builds.iter().any(|build| matches!(build, Build::Failed { .. })));
+    save(&scratch, "watched/src/part.rs", "// whole\n");
+    page.until("the new run", |page| page.run() == 2);
 }
 
 /// Replaces a file in one step, as editors do: the window sees the old file or the new file.

@@ -1,7 +1,7 @@
 //! Tasks of Rust programs in the simulator: failing, killing, and the end of the program.
 
 use serde_json::Value;
-use tests::{Scratch, root};
+use tests::{Scratch, write_package};
 
 const PROGRAM: &str = r#"use robios_api::prelude::*;
 use robios_api::{Priority, TaskMode};
@@ -82,15 +82,7 @@ fn line_of(text: &str) -> usize {
 
 /// Writes a scene with a robot for each of `modes`. The program has its own folder, so it is built once.
 fn write_modes(scratch: &Scratch, modes: &[&str]) {
-    let api = root().join("robios-api");
-    scratch.write(
-        "ways/Cargo.toml",
-        &format!(
-            "[package]\nname = \"ways\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n\
-             [dependencies]\nrobios-api = {{ path = {api:?} }}\n[workspace]\n"
-        ),
-    );
-    scratch.write("ways/src/lib.rs", PROGRAM);
+    write_package(scratch, "ways", PROGRAM);
     let robot = |(index, mode): (usize, &&str)| {
         format!(
             "[[robot]]\ntype = \"%sim%/robis/feeler.robi\"\nprogram = \"ways\"\narguments = [\"{mode}\"]\nx_mm = {}\ny_mm = 500\n",

@@ -239,7 +239,7 @@ fn limits_hold_while_main_waits_in_a_call() {
 }
 
 /// Random system calls change nothing outside the sandbox and no other robot. `EYESIM_FUZZ_SEED` sets the first seed,
-/// and `EYESIM_FUZZ_SECONDS=600 cargo test --workspace --test sandbox random` sets the duration.
+/// and `EYESIM_FUZZ_SECONDS=600 cargo test --workspace --test black_box sandbox::random` sets the duration.
 #[test]
 fn random_system_calls_reach_nothing() {
     if tests::lacks_sandbox() {

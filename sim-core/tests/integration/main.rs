@@ -1,0 +1,18 @@
+//! Tests of the public interface, in one binary: they share its compiled code, which is optimised.
+
+mod bodies;
+mod camera;
+mod contact;
+mod drives;
+mod imperfection;
+mod lone;
+mod motion;
+mod objects;
+mod place;
+mod presence;
+mod pushing;
+mod range;
+mod script;
+mod sensor;
+mod sliding;
+mod snapshot;
