@@ -685,7 +685,7 @@ class _RunToken:
 
     def _await(self, turn):
         """Waits for the token, and takes it from a thread that keeps it for long without a call."""
-        uses, cpu_ns, since_ns = None, 0, 0
+        uses, cpu_ns, since_ns, looked_ns = None, 0, 0, 0
         while turn.result is None:
             # Without a holder, the next thread that does something passes the token on.
             is_idle = self.holder is None
@@ -695,6 +695,9 @@ class _RunToken:
                     self._pass_on()
                 continue
             turn.may_look.acquire(True, -1 if is_idle else _PATIENCE_NS / 1e9)
+            # A look that comes late shows only that the whole program did not run.
+            is_late = _real_time_ns() - looked_ns > 2 * _PATIENCE_NS
+            looked_ns = _real_time_ns()
             with self.guard:
                 if turn.result is not None or self.holder is None:
                     continue
@@ -702,7 +705,8 @@ class _RunToken:
                     uses, cpu_ns, since_ns = self.uses, _processor_time_ns(), _real_time_ns()
                     continue
                 spent_ns, waited_ns = _processor_time_ns() - cpu_ns, _real_time_ns() - since_ns
-                if spent_ns < _PATIENCE_NS and (waited_ns < _PATIENCE_NS or spent_ns > waited_ns // 100):
+                is_asleep = waited_ns >= _PATIENCE_NS and spent_ns <= waited_ns // 100 and not is_late
+                if spent_ns < _PATIENCE_NS and not is_asleep:
                     continue
                 busy, self.holder, self.caller = self.holder, turn, turn.thread
             if spent_ns >= _PATIENCE_NS and not _imports:
