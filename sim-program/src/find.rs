@@ -76,7 +76,7 @@ impl ProgramSource {
     }
 
     /// The files that a user edits to change the program: those that are built or loaded, with their parts; of a package,
-    /// the Rust and TOML files of its folder.
+    /// the Rust and TOML files of its folder, without those of other packages in it.
     pub fn sources(&self) -> Vec<PathBuf> {
         let Self::Cargo(folder) = self else { return [self.files(), self.parts()].concat() };
         let mut sources = Vec::new();
@@ -85,6 +85,10 @@ impl ProgramSource {
             sources.extend(is_source.then(|| file.to_owned()));
         };
         walk(folder, &mut add, &mut |_unreadable, _error| {});
+        // The files of the folder itself come first, and so does the package's own manifest.
+        let manifests = sources.iter().filter(|file| file.ends_with("Cargo.toml")).skip(1);
+        let others: Vec<PathBuf> = manifests.filter_map(|file| Some(file.parent()?.to_owned())).collect();
+        sources.retain(|file| !others.iter().any(|other| file.starts_with(other)));
         sources
     }
 

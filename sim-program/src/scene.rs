@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use sim_core::spec::{RobotSpec, SceneSpec, Span, SpannedText};
 
 use super::build::Builder;
 use super::data_files;
-use super::find::{FindError, Found, SearchPath, find_program};
+use super::find::{FindError, Found, ProgramSource, SearchPath, find_program};
 use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
@@ -38,8 +38,8 @@ pub struct ProgramsError {
     /// A message for each program, each message once. For a program that is not found, the message has the line of the
     /// sim file that names it.
     pub mistakes: Vec<String>,
-    /// Files of the programs that were found.
-    pub sources: Vec<PathBuf>,
+    /// Sources of the programs that were found.
+    pub sources: Vec<ProgramSource>,
 }
 
 impl Programs {
@@ -72,7 +72,7 @@ impl Programs {
         }
         let failed = |mistakes: Vec<String>| ProgramsError {
             mistakes,
-            sources: found.iter().flatten().flat_map(|found| found.source.sources()).collect(),
+            sources: found.iter().flatten().map(|found| found.source.clone()).collect(),
         };
         if !mistakes.is_empty() {
             return Err(failed(mistakes));

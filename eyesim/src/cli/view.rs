@@ -1,5 +1,7 @@
 //! `eyesim view`: runs a scene in the window, and restarts it on request.
 
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{BuildHasher as _, Hasher as _};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ use sim_host::executive::program::Exec;
 use sim_host::files::DiskFiles;
 use sim_host::launch::settings::TYPED;
 use sim_host::launch::{Error, Observers, Ready, Rejected, Scene};
+use sim_host::program::find::ProgramSource;
 use sim_host::record::{EventStore, Sink, TraceReader, Trails};
 use sim_view::page::Page;
 use sim_view::protocol::{Build, RunState, Seed};
@@ -89,6 +92,9 @@ const DEFAULT_PORT: u16 = 7351;
 /// Minimum interval between two checks for changed files with --watch.
 const WATCH_PERIOD: Duration = Duration::from_millis(50);
 
+/// Minimum interval between two searches for new files after a failed build.
+const SEARCH_PERIOD: Duration = Duration::from_secs(1);
+
 /// Interval between two checks for requests once the run is over.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
@@ -129,6 +135,7 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
         next: Mutex::new(None),
         is_building: AtomicBool::new(false),
         files: Mutex::new(WatchedFiles::of(files, begun)),
+        failed: Mutex::new(None),
     });
     let last_check = args.watch.then(Instant::now);
     let control_panel =
@@ -223,6 +230,8 @@ struct Session {
     next: Mutex<Option<(Ready, RunArgs)>>,
     is_building: AtomicBool,
     files: Mutex<WatchedFiles>,
+    /// The last build, if it failed: a file that it misses may come into being.
+    failed: Mutex<Option<FailedBuild>>,
 }
 
 impl Session {
@@ -377,6 +386,7 @@ impl Session {
             match prepare(&args) {
                 Ok((ready, files)) => {
                     session.files.lock().update(files, begun);
+                    *session.failed.lock() = None;
                     {
                         // Both happen under one lock, so that the current run is ended and not the next run.
                         let mut next = session.next.lock();
@@ -388,7 +398,9 @@ impl Session {
                 }
                 Err(error) => {
                     say(format_args!("error: {}", causes(&error)));
-                    session.files.lock().add(inputs_of_failed(&args, &error), begun);
+                    let failed = FailedBuild::new(&args, &error);
+                    session.files.lock().add(failed.files(), begun);
+                    *session.failed.lock() = Some(failed);
                     let output = match error.downcast_ref::<Error>() {
                         Some(Error::Rejected(rejected)) => full_message(rejected),
                         _ => causes(&error),
@@ -406,15 +418,31 @@ impl Session {
     }
 }
 
-/// Files of a run that could not be prepared: those of its scene, and the sources of its programs.
-fn inputs_of_failed(args: &RunArgs, error: &anyhow::Error) -> Vec<PathBuf> {
-    let scene = Scene::open(&args.sim, args.options()).ok();
-    let files = scene.iter().flat_map(|scene| scene.inputs()).map(|input| PathBuf::from(&input.path));
-    let sources = match error.downcast_ref() {
-        Some(Error::Programs(error)) => &error.sources[..],
-        _ => &[],
-    };
-    files.chain(sources.iter().cloned()).collect()
+/// A run that could not be prepared.
+struct FailedBuild {
+    /// Files of the scene.
+    inputs: Vec<PathBuf>,
+    /// Programs that were found.
+    programs: Vec<ProgramSource>,
+    /// Time of the last search for new files.
+    last_search: Instant,
+}
+
+impl FailedBuild {
+    fn new(args: &RunArgs, error: &anyhow::Error) -> Self {
+        let scene = Scene::open(&args.sim, args.options()).ok();
+        let inputs = scene.iter().flat_map(|scene| scene.inputs()).map(|input| PathBuf::from(&input.path)).collect();
+        let programs = match error.downcast_ref() {
+            Some(Error::Programs(error)) => error.sources.clone(),
+            _ => Vec::new(),
+        };
+        Self { inputs, programs, last_search: Instant::now() }
+    }
+
+    /// Files that a user edits to mend the run, as far as they exist.
+    fn files(&self) -> Vec<PathBuf> {
+        self.inputs.iter().cloned().chain(self.programs.iter().flat_map(ProgramSource::sources)).collect()
+    }
 }
 
 /// Reason for rejecting a scene, with all its diagnostics, for a page.
@@ -483,6 +511,12 @@ impl RunStarter for RestartHandler {
             return;
         }
         self.last_check = Some(Instant::now());
+        if let Some(failed) = &mut *self.session.failed.lock()
+            && failed.last_search.elapsed() >= SEARCH_PERIOD
+        {
+            failed.last_search = Instant::now();
+            self.session.files.lock().add(failed.files(), SystemTime::UNIX_EPOCH);
+        }
         if !self.session.is_building.load(Ordering::Acquire) && self.session.files.lock().have_changed() {
             let args = self.session.args.lock().clone();
             self.session.build(args, None);
@@ -497,7 +531,7 @@ fn new_seed() -> u64 {
 }
 
 /// Files that a user edits to change the run, each with its state at the last check.
-struct WatchedFiles(Vec<(PathBuf, Option<FileState>)>);
+struct WatchedFiles(BTreeMap<PathBuf, Option<FileState>>);
 
 /// Time of modification and length of a file.
 type FileState = (SystemTime, u64);
@@ -505,7 +539,7 @@ type FileState = (SystemTime, u64);
 impl WatchedFiles {
     /// Files of a build that began at `begun`. A file that was modified since counts as changed.
     fn of(paths: Vec<PathBuf>, begun: SystemTime) -> Self {
-        let mut files = Self(Vec::new());
+        let mut files = Self(BTreeMap::new());
         files.add(paths, begun);
         files
     }
@@ -513,16 +547,19 @@ impl WatchedFiles {
     /// Replaces the list by the files of a build that began at `begun`. The stored state of a file that was already in
     /// the list is kept, so that a change during the build is not missed.
     fn update(&mut self, paths: Vec<PathBuf>, begun: SystemTime) {
-        self.0.retain(|(known, _)| paths.contains(known));
+        let new = paths.iter().collect::<BTreeSet<_>>();
+        self.0.retain(|known, _| new.contains(known));
         self.add(paths, begun);
     }
 
     /// Adds the files of a build that are not in the list yet.
     fn add(&mut self, paths: Vec<PathBuf>, begun: SystemTime) {
+        // A time in the future is that of another machine's clock.
+        let is_saved_since = |(modified, _): &FileState| (begun..=SystemTime::now()).contains(modified);
         for path in paths {
-            if !self.0.iter().any(|(known, _)| *known == path) {
-                let state = file_state(&path).filter(|(modified, _)| *modified < begun);
-                self.0.push((path, state));
+            if let Entry::Vacant(entry) = self.0.entry(path) {
+                let state = file_state(entry.key()).filter(|state| !is_saved_since(state));
+                entry.insert(state);
             }
         }
     }
@@ -579,7 +616,7 @@ mod tests {
             file.set_modified(time).expect("a file with a time");
         };
         save(&old, begun - hour);
-        save(&new, begun + hour);
+        save(&new, begun);
         let mut files = WatchedFiles::of(vec![old.clone()], begun);
         assert!(!files.have_changed());
         files.update(vec![old.clone(), new.clone()], begun);
@@ -587,10 +624,12 @@ mod tests {
         files.update(vec![old.clone(), new.clone()], begun);
         assert!(!files.have_changed(), "the new file is known");
         save(&old, begun);
-        files.update(vec![old.clone(), new], begun + hour + hour);
+        files.update(vec![old.clone(), new], SystemTime::now());
         assert!(files.have_changed(), "it was saved before the build of this list, but after the last check");
-        std::fs::remove_file(old).expect("the file");
+        std::fs::remove_file(&old).expect("the file");
         assert!(!files.have_changed());
+        save(&old, SystemTime::now() + hour);
+        assert!(!WatchedFiles::of(vec![old], begun).have_changed(), "the clock of the file's machine differs");
     }
 
     #[test]

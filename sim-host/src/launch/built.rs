@@ -1,6 +1,6 @@
 //! A scene whose programs have been built.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -16,6 +16,7 @@ use crate::executive::program::ExecutionKind;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::find::ProgramSource;
 use crate::program::load::Loader;
+use crate::program::prepare::Prepared;
 use crate::program::scene::Programs;
 use crate::record::frame::Frames;
 use crate::record::report::Input;
@@ -40,12 +41,16 @@ impl BuiltScene {
     /// The files that a user edits to change the run: its inputs, with the sources of Rust packages instead of their
     /// libraries.
     pub fn edited_files(&self) -> Vec<PathBuf> {
-        let packages = self.programs.iter().filter(|program| matches!(program.source, ProgramSource::Cargo(_)));
-        let libraries: BTreeMap<&ProgramSource, Vec<PathBuf>> =
-            packages.map(|program| (&program.source, program.inputs())).collect();
-        let is_library = |path: &PathBuf| libraries.values().flatten().any(|library| library == path);
-        let inputs = self.inputs.iter().map(|input| PathBuf::from(&input.path)).filter(|path| !is_library(path));
-        inputs.chain(libraries.keys().flat_map(|package| package.sources())).collect()
+        let packages: BTreeMap<&ProgramSource, &Arc<Prepared>> = self
+            .programs
+            .iter()
+            .filter(|program| matches!(program.source, ProgramSource::Cargo(_)))
+            .map(|program| (&program.source, program))
+            .collect();
+        let libraries: BTreeSet<PathBuf> = packages.values().flat_map(|program| program.inputs()).collect();
+        let inputs = self.inputs.iter().map(|input| PathBuf::from(&input.path));
+        let sources = packages.keys().flat_map(|package| package.sources());
+        inputs.filter(|path| !libraries.contains(path)).chain(sources).collect()
     }
 
     /// The scene's specification.
