@@ -1924,6 +1924,7 @@ def _remove_runtime_frames(report):
         report = report.__context__
 
 
+# Offset and states of the request for the line at which the program computes, as in `channel.rs`.
 _LOCATION, _LOCATION_READY, _LOCATION_REQUESTED, _LOCATION_WRITTEN = 40, 1, 2, 3
 
 
@@ -1934,7 +1935,10 @@ def _report_location(_signal_number, frame):
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
     frame = _frame_beside_program(frame) or frame
-    if _struct.unpack_from("<I", _channel.memory, _LOCATION)[0] == _LOCATION_REQUESTED:
+    state = _struct.unpack_from("<I", _channel.memory, _LOCATION)[0]
+    if state in (_LOCATION_READY, _LOCATION_WRITTEN):
+        return  # the signal belongs to an earlier request, and came late
+    if state == _LOCATION_REQUESTED:
         if frame is not None:
             name = _os.path.basename(frame.f_code.co_filename).encode("utf-8", "replace")
             _struct.pack_into("<I16s", _channel.memory, _LOCATION + 4, frame.f_lineno, name)

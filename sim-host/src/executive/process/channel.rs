@@ -101,11 +101,19 @@ struct Header {
 /// Bytes of a reported location: two addresses, or the beginning of a file's name.
 const LOCATION_BYTES: usize = 16;
 
-/// States of the request for the location at which a program computes; 0 if the child does not report it.
+/// States of the request for the location at which a program computes. They give the meaning of [`OVERDUE_SIGNAL`] for
+/// the child.
+///
+/// [`OVERDUE_SIGNAL`]: crate::executive::signal::OVERDUE_SIGNAL
 mod location_state {
+    /// The child does not report it; the signal ends the child.
+    pub const NOT_OFFERED: u32 = 0;
+    /// There is no request: the signal is a late one, without effect.
     pub const READY: u32 = 1;
     pub const REQUESTED: u32 = 2;
     pub const REPORTED: u32 = 3;
+    /// The signal ends the child; requests are refused.
+    pub const OVERDUE: u32 = 4;
 }
 
 /// Location at which a program in a process computes, as the process reports it.
@@ -389,15 +397,26 @@ impl Channel {
     /// Requests the location at which the child's thread of this channel computes; the child checks for the request
     /// when it receives a signal. Returns false if the child does not report its location.
     pub fn request_location(&self) -> bool {
-        let requested = |state| (state != 0).then_some(location_state::REQUESTED);
+        let requested = |state| {
+            let may_request =
+                matches!(state, location_state::READY | location_state::REQUESTED | location_state::REPORTED);
+            may_request.then_some(location_state::REQUESTED)
+        };
         self.header().location_state.fetch_update(Ordering::AcqRel, Ordering::Relaxed, requested).is_ok()
     }
 
-    /// Withdraws a request without a report: from now on the signal tells the child that it is overdue.
-    pub fn withdraw_location_request(&self) {
-        let (ready, requested) = (location_state::READY, location_state::REQUESTED);
-        // Without such a request there is nothing to withdraw.
-        _ = self.header().location_state.compare_exchange(requested, ready, Ordering::AcqRel, Ordering::Relaxed);
+    /// Declares the child overdue: from now on the signal ends it.
+    pub fn set_overdue(&self) {
+        let overdue = |state| (state != location_state::NOT_OFFERED).then_some(location_state::OVERDUE);
+        // The signal ends a child that does not offer its location anyway.
+        _ = self.header().location_state.fetch_update(Ordering::AcqRel, Ordering::Relaxed, overdue);
+    }
+
+    /// Returns true if a signal has no meaning for the child: it belongs to an earlier request, and came late.
+    /// Async-signal-safe.
+    pub fn is_signal_late(&self) -> bool {
+        let state = self.header().location_state.load(Ordering::Acquire);
+        matches!(state, location_state::READY | location_state::REPORTED)
     }
 
     /// Returns true if the host has requested the location; the request ends with [`Channel::report_location`].
@@ -415,7 +434,9 @@ impl Channel {
         {
             word.store(value as u32, Ordering::Relaxed);
         }
-        header.location_state.store(location_state::REPORTED, Ordering::Release);
+        let (requested, reported) = (location_state::REQUESTED, location_state::REPORTED);
+        // The host may have withdrawn the request meanwhile.
+        _ = header.location_state.compare_exchange(requested, reported, Ordering::AcqRel, Ordering::Relaxed);
     }
 
     /// Returns true once the child has reported its location.
@@ -535,9 +556,11 @@ mod tests {
     }
 
     #[test]
-    fn location_request_without_a_report_stays_until_it_is_withdrawn() {
+    fn location_request_without_a_report_stays_until_the_child_is_overdue() {
         let channel = Channels::new().unwrap().map(0).unwrap();
         assert!(!channel.request_location(), "the child does not report it");
+        channel.set_overdue();
+        assert!(!channel.is_signal_late(), "any signal ends the child");
         channel.offer_location();
         assert!(channel.request_location());
         assert_eq!(channel.take_location(), None);
@@ -547,9 +570,11 @@ mod tests {
         assert_eq!(channel.take_location(), None);
         channel.report_location([3, 4]);
         assert_eq!(channel.take_location(), Some(CodeLocation::Addresses([3, 4])));
+        assert!(channel.is_signal_late() && !channel.is_location_requested(), "a second signal does no harm");
         assert!(channel.request_location());
-        channel.withdraw_location_request();
-        assert!(!channel.is_location_requested(), "now the signal means that the child is overdue");
+        channel.set_overdue();
+        assert!(!channel.is_location_requested() && !channel.is_signal_late(), "the signal ends the child");
+        assert!(!channel.request_location());
     }
 
     #[test]

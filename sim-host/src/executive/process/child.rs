@@ -370,7 +370,7 @@ impl Child {
             }
             location_request => {
                 *location_request = Some(LocationRequest { requested_at: Instant::now(), release, is_killed: false });
-                self.first.withdraw_location_request();
+                self.first.set_overdue();
                 // Threads that are inside a call to the host, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that has ended is an error.

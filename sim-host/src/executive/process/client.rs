@@ -426,6 +426,9 @@ fn report_crash(block: &FlowBlock, crash: Crash) {
         let caller = words[..count].iter().find(|word| library.contains(*word));
         return connection.channel.report_location([crash.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
+    if crash.signal == OVERDUE_SIGNAL && connection.channel.is_signal_late() {
+        return;
+    }
     print_unfinished(connection, block);
     let words = bytes_of(without_stale(&mut words[..count], crash.pc));
     connection.send(kind::CRASH, &[&crash_header(&crash, 0, [low, high]), words]);
