@@ -21,6 +21,18 @@ const BYTES_PER_ENTRY: u64 = 1 << 10;
 /// Maximum nesting depth of folders.
 const MAX_DEPTH: usize = 32;
 
+/// Number of successive checks after which folders that disappear during each of them count as an excess.
+const MAX_INCOMPLETE_CHECKS: usize = 100;
+
+/// Result of a check of a folder's size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Check {
+    Fits,
+    Exceeds,
+    /// A folder disappeared before it was read.
+    Incomplete,
+}
+
 /// The scratch folder of a restricted program; removed when dropped.
 #[derive(Debug)]
 pub struct Scratch {
@@ -58,12 +70,16 @@ impl Quota {
 
     /// Description of the limit, if the folder exceeds it.
     pub fn excess(&self) -> Option<String> {
-        (!fits(&self.folder, self.max_bytes)).then(|| {
-            let max_mib = self.max_bytes >> 20;
-            format!(
-                "its files exceed the limits of its sandbox: {max_mib} MiB, and {MAX_DEPTH} folders within each other"
-            )
-        })
+        // A program that renames nested folders all the time could hide files from single checks.
+        let mut results = std::iter::repeat_with(|| check(&self.folder, self.max_bytes)).take(MAX_INCOMPLETE_CHECKS);
+        match results.find(|result| *result != Check::Incomplete) {
+            Some(Check::Fits) => None,
+            Some(_) => Some(format!(
+                "its files exceed the limits of its sandbox: {} MiB, and {MAX_DEPTH} folders within each other",
+                self.max_bytes >> 20
+            )),
+            None => Some("it removes or renames its folders so often that their size cannot be checked".to_owned()),
+        }
     }
 }
 
@@ -110,19 +126,23 @@ fn threads_of(pid: i32) -> u64 {
     threads.and_then(|threads| threads.trim().parse().ok()).unwrap_or_default()
 }
 
-/// Returns true if all files in `folder` together take at most `max_bytes` bytes, and no folders are nested deeper than
+/// Checks whether all files in `folder` together take at most `max_bytes` bytes, and no folders are nested deeper than
 /// [`MAX_DEPTH`]. A folder that cannot be read counts as too large.
-fn fits(folder: &Path, max_bytes: u64) -> bool {
+fn check(folder: &Path, max_bytes: u64) -> Check {
     let mut size = 0;
+    let mut is_complete = true;
     let mut folders = vec![(folder.to_owned(), 0)];
     while let Some((folder, depth)) = folders.pop() {
         let entries = match fs::read_dir(folder) {
             Ok(entries) => entries,
-            // Folders and files may be removed meanwhile.
-            Err(error) if error.kind() == io::ErrorKind::NotFound && depth > 0 => continue,
-            Err(_) => return false,
+            Err(error) if depth > 0 && is_gone(&error) => {
+                is_complete = false;
+                continue;
+            }
+            Err(_) => return Check::Exceeds,
         };
         for entry in entries {
+            // Files may be removed meanwhile.
             let Ok(entry) = entry else { continue };
             let Ok(metadata) = entry.metadata() else { continue };
             size += BYTES_PER_ENTRY + metadata.blocks() * 512;
@@ -130,11 +150,16 @@ fn fits(folder: &Path, max_bytes: u64) -> bool {
                 folders.push((entry.path(), depth + 1));
             }
             if size > max_bytes || depth > MAX_DEPTH {
-                return false;
+                return Check::Exceeds;
             }
         }
     }
-    true
+    if is_complete { Check::Fits } else { Check::Incomplete }
+}
+
+/// Returns true if a folder cannot be read because it was removed, renamed or replaced by a file.
+fn is_gone(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
 /// Removes `folder` with its contents, which may be nested too deep for any path: folders within it are moved up before
@@ -181,14 +206,41 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let folder = parent.path().join("scratch");
         fs::create_dir(&folder).unwrap();
-        assert!(fits(&folder, 0));
+        let fits = |max_bytes| check(&folder, max_bytes) == Check::Fits;
+        assert!(fits(0));
         fs::write(folder.join("a"), vec![1; 10_000]).unwrap();
-        assert!(fits(&folder, 20_000) && !fits(&folder, 10_000));
+        assert!(fits(20_000) && !fits(10_000));
         (0..30).for_each(|number| fs::create_dir(folder.join(format!("d{number}"))).unwrap());
-        assert!(!fits(&folder, 20_000), "empty folders take room as well");
+        assert!(!fits(20_000), "empty folders take room as well");
         let deep: PathBuf = std::iter::repeat_n("d", MAX_DEPTH + 3).collect();
         fs::create_dir_all(folder.join(deep)).unwrap();
-        assert!(!fits(&folder, u64::MAX));
+        assert!(!fits(u64::MAX));
+    }
+
+    #[test]
+    fn files_below_folders_that_are_renamed_all_the_time_are_found() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("scratch");
+        let deep: PathBuf = std::iter::repeat_n("a", 20).collect();
+        fs::create_dir_all(folder.join(&deep)).unwrap();
+        fs::write(folder.join(&deep).join("large"), vec![1; 100_000]).unwrap();
+        let is_done = std::sync::atomic::AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_done.load(std::sync::atomic::Ordering::Relaxed) {
+                    let mut path = folder.clone();
+                    for _ in 0..20 {
+                        fs::rename(path.join("a"), path.join("b")).unwrap();
+                        fs::rename(path.join("b"), path.join("a")).unwrap();
+                        path.push("a");
+                    }
+                }
+            });
+            let quota = Quota::new(folder.clone(), 50_000);
+            let is_found = (0..20).all(|_| quota.excess().is_some());
+            is_done.store(true, std::sync::atomic::Ordering::Relaxed);
+            assert!(is_found);
+        });
     }
 
     #[test]
