@@ -50,6 +50,17 @@ pub fn eyesim_path() -> &'static Path {
     })
 }
 
+/// Writes a copy of the binary to `copy`.
+///
+/// # Panics
+/// If it cannot be written.
+pub fn copy_eyesim(copy: &Path) {
+    // By a process of its own: if this process wrote it, a child that another thread starts meanwhile would keep the
+    // copy open for writing, and it could not be executed.
+    let copied = Command::new("cp").arg(eyesim_path()).arg(copy).status();
+    assert!(copied.expect("cp starts").success(), "a copy of the binary");
+}
+
 /// A fresh folder in which tests run `eyesim`; it is removed at the end of the test.
 pub struct Scratch {
     folder: TempDir,

@@ -1,4 +1,4 @@
-//! Tests of the public interface, in one binary: they share its compiled code, which is optimised.
+//! Tests of the public interface, in one binary, so that generic code is compiled and optimised once.
 
 mod bodies;
 mod camera;

@@ -13,7 +13,7 @@ use std::process::Command;
 use class::{Case, class, honest, program, zip_of};
 use serde_json::Value;
 use tests::stranger::{chown_all, listing, processes_in, users};
-use tests::{Ran, Scratch, eyesim_path};
+use tests::{Ran, Scratch, copy_eyesim, eyesim_path};
 
 /// Environment variable that has all submissions graded in three orders and each by itself. If the user is root, an
 /// ordinary user grades them as well.
@@ -142,7 +142,7 @@ impl GradingFolders {
         for folder in ["home/photos", "cache", "tmp"] {
             std::fs::create_dir_all(scratch.path().join(folder)).expect("a folder");
         }
-        std::fs::copy(eyesim_path(), scratch.path().join("eyesim")).expect("a copy of the binary");
+        copy_eyesim(&scratch.path().join("eyesim"));
         Self { scratch, user }
     }
 

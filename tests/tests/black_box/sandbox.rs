@@ -30,7 +30,7 @@ fn run_as(scratch: &Scratch, user: Option<u32>, args: &[&str]) -> Ran {
 fn eyesim(scratch: &Scratch) -> std::path::PathBuf {
     let copy = scratch.path().join("eyesim");
     if !copy.exists() {
-        std::fs::copy(tests::eyesim_path(), &copy).expect("a copy of the binary");
+        tests::copy_eyesim(&copy);
     }
     copy
 }
