@@ -142,9 +142,12 @@ fn check(folder: &Path, max_bytes: u64) -> Check {
             Err(_) => return Check::Exceeds,
         };
         for entry in entries {
-            // Files may be removed meanwhile.
             let Ok(entry) = entry else { continue };
-            let Ok(metadata) = entry.metadata() else { continue };
+            let Ok(metadata) = entry.metadata() else {
+                // A file may be removed meanwhile; a folder that was renamed contains further files.
+                is_complete &= !entry.file_type().is_ok_and(|kind| kind.is_dir());
+                continue;
+            };
             size += BYTES_PER_ENTRY + metadata.blocks() * 512;
             if metadata.is_dir() {
                 folders.push((entry.path(), depth + 1));
